@@ -64,7 +64,9 @@ Preferences Preferences::from_environment() {
   out.soft_blend = place("SFUMATO_SOFT_BLEND");
   out.stroke_lists = place("SFUMATO_STROKE_LISTS");
   out.splats = place("SFUMATO_SPLATS");
+  out.points = place("SFUMATO_POINTS");
   out.evidence = place("SFUMATO_EVIDENCE");
+  out.finish = place("SFUMATO_FINISH");
   return out;
 }
 

@@ -25,11 +25,13 @@ struct Preferences {
   /// for tests; 0: as many as take a few milliseconds.
   int slice_units = 0;
   Place depth_sort = Place::automatic, soft_blend = Place::automatic, stroke_lists = Place::automatic,
-        splats = Place::automatic, evidence = Place::automatic;
+        splats = Place::automatic, points = Place::automatic, evidence = Place::automatic,
+        finish = Place::automatic;
 
   /// SFUMATO_SHADER_DIR, SFUMATO_KEEP_SHADERS, SFUMATO_SCREEN_PASS, SFUMATO_SPLAT_PATH, SFUMATO_DEPTH_SORT,
-  /// SFUMATO_SOFT_BLEND, SFUMATO_STROKE_LISTS, SFUMATO_SPLATS, SFUMATO_EVIDENCE,
-  /// SFUMATO_TILE. Throws Error(usage) for a word that is none of a variable's.
+  /// SFUMATO_SOFT_BLEND, SFUMATO_STROKE_LISTS, SFUMATO_SPLATS, SFUMATO_POINTS,
+  /// SFUMATO_EVIDENCE, SFUMATO_FINISH, SFUMATO_TILE. Throws Error(usage) for a word that is none of a
+  /// variable's.
   static Preferences from_environment();
   /// Those of the contexts that are made from now on have this `shader_folder` instead of the environment's.
   static void take_shaders_from(const std::string& folder);

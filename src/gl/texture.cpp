@@ -91,33 +91,32 @@ struct Transfer<Rgba8> {
 }  // namespace
 
 template <class T>
-Image<T> Texture::download() const {
+void Texture::download(Image<T>& image) const {
   glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
-  Image<T> image(width_, height_);
+  if (image.width() != width_ || image.height() != height_) image = Image<T>(width_, height_);
   glGetTextureImage(id_, 0, Transfer<T>::format, Transfer<T>::type, GLsizei(image.size() * sizeof(T)),
                     image.data());
-  return image;
 }
 
 template <class T>
-void Texture::upload(const Image<T>& image) {
+void Texture::upload_rows(const Image<T>& image, int first, int rows) {
   if constexpr (sizeof(T) < 4) glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage2D(id_, 0, 0, 0, width_, height_, Transfer<T>::format, Transfer<T>::type, image.data());
+  glTextureSubImage2D(id_, 0, 0, first, width_, rows, Transfer<T>::format, Transfer<T>::type, image.data());
 }
 
-template Image<float> Texture::download() const;
-template Image<vec2> Texture::download() const;
-template Image<vec3> Texture::download() const;
-template Image<vec4> Texture::download() const;
-template Image<std::uint32_t> Texture::download() const;
-template Image<Rgba8> Texture::download() const;
-template void Texture::upload(const Image<float>&);
-template void Texture::upload(const Image<vec2>&);
-template void Texture::upload(const Image<vec3>&);
-template void Texture::upload(const Image<vec4>&);
-template void Texture::upload(const Image<std::uint32_t>&);
-template void Texture::upload(const Image<Rgba8>&);
-template void Texture::upload(const Image<std::uint8_t>&);
+template void Texture::download(Image<float>&) const;
+template void Texture::download(Image<vec2>&) const;
+template void Texture::download(Image<vec3>&) const;
+template void Texture::download(Image<vec4>&) const;
+template void Texture::download(Image<std::uint32_t>&) const;
+template void Texture::download(Image<Rgba8>&) const;
+template void Texture::upload_rows(const Image<float>&, int, int);
+template void Texture::upload_rows(const Image<vec2>&, int, int);
+template void Texture::upload_rows(const Image<vec3>&, int, int);
+template void Texture::upload_rows(const Image<vec4>&, int, int);
+template void Texture::upload_rows(const Image<std::uint32_t>&, int, int);
+template void Texture::upload_rows(const Image<Rgba8>&, int, int);
+template void Texture::upload_rows(const Image<std::uint8_t>&, int, int);
 
 void ensure(Texture& texture, const std::string& label, GLenum format, int width, int height) {
   if (texture && texture.width() == width && texture.height() == height && texture.format() == format) return;

@@ -44,9 +44,21 @@ class Texture {
   /// Whole image, top row first. T decides the transfer format: float, vec2, vec3, vec4, uint32, Rgba8; for
   /// uploads also uint8.
   template <class T>
-  Image<T> download() const;
+  Image<T> download() const {
+    Image<T> image;
+    download(image);
+    return image;
+  }
+  /// Into one that is kept: its pages are there where the size is the same.
   template <class T>
-  void upload(const Image<T>& image);
+  void download(Image<T>& image) const;
+  template <class T>
+  void upload(const Image<T>& image) {
+    upload_rows(image, 0, height_);
+  }
+  /// The first rows of `image`, as wide, to those from `first` on.
+  template <class T>
+  void upload_rows(const Image<T>& image, int first, int rows);
 
  private:
   void swap(Texture& other) {

@@ -18,6 +18,14 @@ int band_of(const EvidenceReach& reach) { return 2 * int(std::ceil(reach.between
 const gl::Texture& Evidence::find(GpuCloud& cloud, const Camera& camera, const dvec3& origin,
                                   const EvidenceReach& reach, gl::Timers& timers) {
   auto timing = timers.scope("evidence");
+  if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
+    const View wide(camera.with_guard_band(band_of(reach)), origin);
+    if (const auto* bits = to_pixels_.depth_here(cloud, wide, {SizeMode::pixels, 1})) {
+      gl::ensure(mask_, "evidence", GL_R8, camera.width, camera.height);
+      mask_.upload(evidence_by_rows(*bits, band_of(reach), camera.width, camera.height, reach));
+      return mask_;
+    }
+  }
   const gl::Texture& bits = draw_points(cloud, camera, origin, reach);
   return find(bits, band_of(reach), camera.width, camera.height, reach);
 }

@@ -1,6 +1,11 @@
 #include "passes/finish.h"
 
+#include <utility>
+
 #include "gl/commands.h"
+#include "gl/pace.h"
+#include "gl/preferences.h"
+#include "passes/finish_cpu.h"
 
 namespace sfumato {
 void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::Texture& depth,
@@ -15,6 +20,42 @@ void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::T
   find_edges_.mark(mask_, {&depth}, {&edges_});
   gl::copy(color, ivec2(0), out, ivec2(0), ivec2(color.width(), color.height()));
   smooth_.run(mask_, {&color, &edges_, &depth}, {&out});
+}
+
+void LastLooks::run(const View& view, const Relief::Options& relief, bool with_smooth_outlines,
+                    gl::Texture& color, const gl::Texture& depth, gl::Timers& timers) {
+  if (!relief.any() && !with_smooth_outlines) return;
+  if (gl::place_of_work(gl::preferences().finish) == gl::Place::cpu) {
+    gl::end_stretch();
+    color.download(color_here_), depth.download(depth_here_);
+    if (relief.any()) {
+      auto timing = timers.scope("relief");
+      const Relief::Openness openness = relief_.find_openness(view, relief, depth);
+      gl::end_stretch();
+      darken_relief(
+          view,
+          {openness.square_px, Relief::radius_px(relief, view.picture_height()), relief.edl_strength,
+           relief.occlusion, Relief::orthographic_distance(view), relief.spacing},
+          depth_here_, openness.squares.download<vec2>(), color_here_);
+    }
+    if (with_smooth_outlines) {
+      auto timing = timers.scope("smooth outlines");
+      smooth_outlines(view, depth_here_, color_here_);
+    }
+    color.upload(color_here_);
+    return;
+  }
+  gl::ensure(scratch_, "finish scratch", GL_RGBA32F, color.width(), color.height());
+  if (relief.any()) {
+    auto timing = timers.scope("relief");
+    relief_.run(view, relief, color, depth, scratch_);
+    std::swap(scratch_, color);
+  }
+  if (with_smooth_outlines) {
+    auto timing = timers.scope("smooth outlines");
+    outlines_.run(view, color, depth, scratch_);
+    std::swap(scratch_, color);
+  }
 }
 
 namespace {

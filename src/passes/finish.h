@@ -1,8 +1,11 @@
-// The last steps of every picture: smooth outlines, background, linear to sRGB.
+// The last steps of every picture: relief, smooth outlines, background, linear to sRGB.
 #pragma once
 
+#include "core/image.h"
 #include "gl/texture.h"
+#include "gl/timer.h"
 #include "passes/light.h"
+#include "passes/relief.h"
 #include "passes/screen_pass.h"
 #include "passes/view.h"
 
@@ -18,6 +21,20 @@ class SmoothOutlines {
   ScreenPass find_edges_, smooth_;
   gl::Texture edges_;
   PixelMask mask_;
+};
+
+/// Relief and smooth outlines in place, by the processor where OpenGL is software.
+class LastLooks {
+ public:
+  void run(const View& view, const Relief::Options& relief, bool with_smooth_outlines, gl::Texture& color,
+           const gl::Texture& depth, gl::Timers& timers);
+
+ private:
+  Relief relief_;
+  SmoothOutlines outlines_;
+  gl::Texture scratch_;
+  Image<vec4> color_here_;
+  Image<float> depth_here_;
 };
 
 /// Background and encoding. `color` is linear and premultiplied.

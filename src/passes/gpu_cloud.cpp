@@ -30,15 +30,10 @@ void GpuCloud::show(std::shared_ptr<const ResidentCloud> cloud, Attributes needs
   shown_ = needs;
 }
 
-namespace {
-
-/// Splats reach beyond the box of their centres.
-bool is_in_view(const Batch& batch, const View& view) {
-  const vec3 reach(4 * batch.spacing);
+bool GpuCloud::is_in_view(const Batch& batch, const View& view) {
+  const vec3 reach(4 * batch.spacing);  // splats reach beyond the box of their centres
   return view.may_see(batch.box_min - reach, batch.box_max + reach);
 }
-
-}  // namespace
 
 std::uint64_t GpuCloud::points_in(const View& view) const {
   std::uint64_t points = 0;
@@ -86,7 +81,7 @@ std::uint32_t GpuCloud::show(Chunk& chunk, std::span<const glm::uvec2> ranges) {
 
 void GpuCloud::bind_geometry(const Chunk& chunk) const {
   positions(chunk).bind(binding::positions);
-  resident_->chunks()[place_of(chunk)].source_index.bind(binding::source_index);
+  source_index(chunk).bind(binding::source_index);
   chunk.batches.bind(binding::batches);
   cut_block_.bind_uniform(binding::cut);
 }
@@ -113,6 +108,10 @@ const gl::TextureBuffer& GpuCloud::positions(const Chunk& chunk) const {
   return resident_->chunks()[place_of(chunk)].positions;
 }
 
+const gl::TextureBuffer& GpuCloud::source_index(const Chunk& chunk) const {
+  return resident_->chunks()[place_of(chunk)].source_index;
+}
+
 const gl::TextureBuffer& GpuCloud::colors(const Chunk& chunk) const {
   return colors_->buffers(*resident_)[place_of(chunk)];
 }
@@ -130,6 +129,10 @@ const gl::TextureBuffer* GpuCloud::field(const Chunk& chunk) const {
   return field_ ? &(*field_)[place_of(chunk)] : nullptr;
 }
 
+const gl::TextureBuffer* GpuCloud::opacity(const Chunk& chunk) const {
+  return casters_ ? &(*casters_->opacity)[place_of(chunk)] : nullptr;
+}
+
 const gl::TextureBuffer& GpuCloud::shadow(Chunk& chunk) {
   if (!chunk.shadow)
     chunk.shadow = gl::TextureBuffer("shadow factors", GL_R32F,
@@ -140,10 +143,6 @@ const gl::TextureBuffer& GpuCloud::shadow(Chunk& chunk) {
 void GpuCloud::set_colors(std::shared_ptr<const Colors> colors) {
   colors_ = std::move(colors);
   look_serial_ = ResidentCloud::next_serial();
-}
-
-void GpuCloud::bind_casters(const Chunk& chunk) const {
-  if (casters_) (*casters_->opacity)[place_of(chunk)].bind(binding::casters);
 }
 
 void GpuCloud::set_shadow(std::span<const float> values) {

@@ -70,6 +70,8 @@ class GpuCloud {
 
   /// Chooses the batches that the view may see, in every chunk; returns how many points they hold.
   std::uint64_t cull(const View& view);
+  /// Whether it chooses this one.
+  static bool is_in_view(const Batch& batch, const View& view);
   /// That number alone.
   std::uint64_t points_in(const View& view) const;
   /// Makes these ranges of points (first of the chunk's, count) its visible batches, of no spacing; returns
@@ -86,11 +88,13 @@ class GpuCloud {
   void bind_shadow(Chunk& chunk) { shadow(chunk).bind(binding::shadow); }
   /// What those bind.
   const gl::TextureBuffer& positions(const Chunk& chunk) const;
+  const gl::TextureBuffer& source_index(const Chunk& chunk) const;
   const gl::TextureBuffer& colors(const Chunk& chunk) const;
   const gl::TextureBuffer& normals(const Chunk& chunk) const;
   const gl::TextureBuffer& radii(const Chunk& chunk) const;
-  const gl::TextureBuffer* field(const Chunk& chunk) const;  ///< null: none
-  const gl::TextureBuffer& shadow(Chunk& chunk);             ///< shadow factors, or ones
+  const gl::TextureBuffer* field(const Chunk& chunk) const;    ///< null: none
+  const gl::TextureBuffer* opacity(const Chunk& chunk) const;  ///< of casters; null: none
+  const gl::TextureBuffer& shadow(Chunk& chunk);               ///< shadow factors, or ones
   /// For passes that look points up by their source index (shaders/places.glsl): `run(chunk)` with what tells
   /// the pass which of them it may find, once for each chunk and part of the places.
   template <class Pass, class Run>
@@ -127,7 +131,9 @@ class GpuCloud {
   void set_casters(std::shared_ptr<const Casters> casters) { casters_ = std::move(casters); }
   const std::shared_ptr<const Casters>& casters() const { return casters_; }
   float see_through_spacing() const { return casters_ ? casters_->see_through_spacing : 0; }
-  void bind_casters(const Chunk& chunk) const;
+  void bind_casters(const Chunk& chunk) const {
+    if (casters_) opacity(chunk)->bind(binding::casters);
+  }
   /// What is left out, in cloud space: half spaces, at most 6, where dot(xyz, p) + w > 0, and a ceiling
   /// (core/room.h).
   struct Cut {

@@ -1,12 +1,32 @@
 #include "passes/points_to_pixels.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gl/commands.h"
 #include "gl/context.h"
+#include "gl/preferences.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
+namespace {
+
+constexpr std::uint32_t nothing = 0xffffffffu;
+
+}  // namespace
+
+bool PointsToPixels::is_on_cpu() const {
+  return visits_ == Visits::automatic && gl::limits().software &&
+         gl::place_of_work(gl::preferences().points) == gl::Place::cpu;
+}
+
+const Image<std::uint32_t>* PointsToPixels::depth_here(GpuCloud& cloud, const View& view,
+                                                       const Footprint& footprint) {
+  if (!is_on_cpu()) return nullptr;
+  here_.begin(view.width(), view.height());
+  here_.visit(cloud, view, {.footprint = footprint});
+  return &here_.depth_bits();
+}
 
 void PointsToPixels::visit(GpuCloud& cloud, const View& view, const Footprint& footprint,
                            gl::Texture* depth_bits, gl::Texture* index, const gl::Texture* reference,
@@ -69,7 +89,13 @@ std::uint64_t PointsToPixels::draw_depth(GpuCloud& cloud, const View& view, cons
                                          gl::Texture& depth_bits, const gl::Texture* reference, float min_gap,
                                          const CasterRange* casters) {
   gl::ensure(depth_bits, "nearest depth bits", GL_R32UI, view.width(), view.height());
-  depth_bits.clear_uint(0xffffffffu);
+  if (is_on_cpu()) {
+    here_.begin(view.width(), view.height());
+    here_.visit(cloud, view, {footprint, reference, min_gap, casters});
+    here_.end(depth_bits, nullptr);
+    return cloud.cull(view);
+  }
+  depth_bits.clear_uint(nothing);
   return add_depth(cloud, view, footprint, depth_bits, reference, min_gap, casters);
 }
 
@@ -77,6 +103,12 @@ std::uint64_t PointsToPixels::add_depth(GpuCloud& cloud, const View& view, const
                                         gl::Texture& depth_bits, const gl::Texture* reference, float min_gap,
                                         const CasterRange* casters) {
   const std::uint64_t points = cloud.cull(view);
+  if (is_on_cpu()) {
+    here_.begin(depth_bits, nullptr);
+    here_.visit(cloud, view, {footprint, reference, min_gap, casters});
+    here_.end(depth_bits, nullptr);
+    return points;
+  }
   visit(cloud, view, footprint, &depth_bits, nullptr, reference, min_gap, casters);
   return points;
 }
@@ -92,6 +124,16 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
                                    PixelLayer& layer, gl::Timers& timers, const gl::Texture* reference,
                                    float min_gap, const CasterRange* casters) {
   std::uint64_t points = 0;
+  if (is_on_cpu()) {
+    auto timing = timers.scope("depth");
+    gl::ensure(layer.depth_bits, "nearest depth bits", GL_R32UI, view.width(), view.height());
+    gl::ensure(layer.index, "nearest source index", GL_R32UI, view.width(), view.height());
+    points = cloud.cull(view);
+    here_.begin(view.width(), view.height());
+    here_.visit(cloud, view, {footprint, reference, min_gap, casters});
+    here_.end(layer.depth_bits, &layer.index);
+    return points;
+  }
   if (in_one_visit(view)) {
     {
       auto timing = timers.scope("depth");
@@ -100,7 +142,7 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
         nearest_is_empty_ = false;
       }
       // A clear takes NVIDIA's driver as long as 20M points: `pairs_apart_` empties what it reads.
-      if (!nearest_is_empty_) nearest_.clear(0xffffffffu);
+      if (!nearest_is_empty_) nearest_.clear(nothing);
       nearest_is_empty_ = false;
       points = cloud.cull(view);
       visit(cloud, view, footprint, nullptr, nullptr, reference, min_gap, casters);
@@ -120,7 +162,7 @@ std::uint64_t PointsToPixels::draw(GpuCloud& cloud, const View& view, const Foot
   }
   auto timing = timers.scope("index");
   gl::ensure(layer.index, "nearest source index", GL_R32UI, view.width(), view.height());
-  layer.index.clear_uint(0xffffffffu);
+  layer.index.clear_uint(nothing);
   visit(cloud, view, footprint, &layer.depth_bits, &layer.index, reference, min_gap, casters);
   return points;
 }
@@ -130,6 +172,13 @@ void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footpri
                                 const gl::Texture* reference) {
   cloud.cull(view);
   inverse_bin_ = 1 / bin;
+  if (is_on_cpu()) {
+    auto timing = timers.scope("depth");
+    here_.begin(depth_lists, &index_lists);
+    here_.visit(cloud, view, {footprint, reference, 0, nullptr, list_length, inverse_bin_});
+    here_.end(depth_lists, &index_lists);
+    return;
+  }
   {
     auto timing = timers.scope("depth");
     visit(cloud, view, footprint, &depth_lists, nullptr, reference, 0, nullptr, true);

@@ -1,10 +1,10 @@
 // Points to pixels in compute: one depth visit (atomicMin), one index visit, and a resolve that reads
 // attributes only for the points that survived. 4-6x faster than GL_POINTS on llvmpipe, and the only way that
 // uses a data-centre GPU. GPUs with 64-bit atomics find depth and index in one visit, bit for bit the same.
-// Ties go to the lowest source index: the order of the points does not matter.
+// Ties go to the lowest source index: the order of the points does not matter. Where OpenGL is software,
+// loops of the processor do the same (passes/points_cpu.h).
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <map>
 
@@ -13,48 +13,10 @@
 #include "gl/texture.h"
 #include "gl/timer.h"
 #include "passes/gpu_cloud.h"
+#include "passes/points_cpu.h"
 #include "passes/screen_pass.h"
 
 namespace sfumato {
-
-enum class SizeMode { adaptive, pixels, world };
-
-/// The size of a point on the screen: a round disc of this diameter, at least 1 px and at most `most_px`.
-struct Footprint {
-  SizeMode mode = SizeMode::pixels;
-  float size = 1;  ///< adaptive: factor on the spacing; pixels: px; world: scene units
-  /// Adaptive: sparse ends of a scan are not drawn as balls of this many median spacings and more. Not of
-  /// dots, which know.
-  float largest_medians = 4;
-  /// Discs wider than this grow with the fourth root of what they would be; 0: no. Points that far apart are
-  /// no surface any more to whoever looks, and discs that close it would hide what shape there is. px
-  float wide_px = 0;
-  /// Adaptive: the cloud's field holds spacing (in spacing_unit()) and share of a surface of every point
-  /// (analysis/dots.h). Where there is none, points are this share of the size that would close it, within
-  /// these limits, px; 0: no such field.
-  float dot_share = 0, least_dot_px = 1, most_dot_px = 1;
-  /// Adaptive, without dots: the cloud's field holds the spacing of every point, scene units, in place of
-  /// that of its batch.
-  bool spacing_is_field = false;
-  /// Points that are farther apart than this, px, and than usual are smaller by the root of how much farther,
-  /// to `least_dot_px`: what is sparse recedes behind what is measured well.
-  float sparse_px = 0;
-  /// Points with a normal are discs in its plane instead of facing the camera, at least as large as a pixel.
-  bool oriented = false;
-  float most_px = 64;   ///< px; see largest_footprint
-  float single_px = 0;  ///< what is narrower is the one pixel that it falls into, whatever its normal; px
-};
-
-/// Diameter of the largest point of a picture so many pixels high, px: a picture looks the same in every
-/// size.
-inline float largest_footprint(int picture_height) {
-  return std::max(64.0f, 64.0f / 720 * float(picture_height));
-}
-
-/// Only points that stop this share of the light (GpuCloud::set_casters): `from` <= share < `below`.
-struct CasterRange {
-  float from = 0, below = 2;
-};
 
 /// What survived, at the view's size. Also the input of the screen-space techniques.
 struct PixelLayer {
@@ -70,7 +32,7 @@ class PointsToPixels {
  public:
   /// How many visits `draw` takes.
   enum class Visits { automatic, one, two };
-  /// One only where limits().int64_atomics, as automatic does on GPUs.
+  /// One only where limits().int64_atomics, as automatic does on GPUs. One and two are by shaders.
   explicit PointsToPixels(Visits visits = Visits::automatic) : visits_(visits) {}
   /// Depth and index of the nearest point of every pixel; returns the number of points in visible batches.
   /// With `reference` (R32F, view-sized), only points at least `min_gap` behind it count
@@ -86,6 +48,10 @@ class PointsToPixels {
   std::uint64_t add_depth(GpuCloud& cloud, const View& view, const Footprint& footprint,
                           gl::Texture& depth_bits, const gl::Texture* reference = nullptr, float min_gap = 0,
                           const CasterRange* casters = nullptr);
+  /// `draw_depth` without a texture, where the processor does it; null where shaders do.
+  const Image<std::uint32_t>* depth_here(GpuCloud& cloud, const View& view, const Footprint& footprint);
+  /// Gives back the memory that is kept from visit to visit.
+  void forget() { here_ = {}, nearest_ = {}; }
   /// Entries of a list below.
   static constexpr int list_length = 4;
   /// The nearest depths in each of the `list_length` nearest bins that a pixel has points in, and the lowest
@@ -111,7 +77,9 @@ class PointsToPixels {
              gl::Texture* index, const gl::Texture* reference, float min_gap, const CasterRange* casters,
              bool lists = false);
   bool in_one_visit(const View& view) const;
+  bool is_on_cpu() const;
   Visits visits_;
+  PointsCpu here_;
   std::map<unsigned, gl::Program> programs_;
   gl::Buffer nearest_;  ///< of one visit: pairs of source index and depth bits
   bool nearest_is_empty_ = false;

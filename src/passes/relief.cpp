@@ -32,7 +32,16 @@ int Relief::reach_px(const Options& options, int picture_height) {
   return int(std::ceil(widened(picture_height) * std::max(farthest, options.edl_radius))) + 2 * (2 << levels);
 }
 
-void Relief::find_openness(const View& view, const Options& options, const gl::Texture& depth) {
+float Relief::radius_px(const Options& options, int picture_height) {
+  return options.edl_radius * widened(picture_height);
+}
+
+float Relief::orthographic_distance(const View& view) {
+  return float(view.picture_height() / view.camera().pixels_per_unit() / (2 * std::tan(glm::radians(22.5))));
+}
+
+Relief::Openness Relief::find_openness(const View& view, const Options& options, const gl::Texture& depth) {
+  view.bind();
   const int last = 1 << levels, width = (depth.width() + last - 1) / last * last,
             height = (depth.height() + last - 1) / last * last;
   if (!pyramid_ || pyramid_.width() != width / 2 || pyramid_.height() != height / 2) {
@@ -61,22 +70,18 @@ void Relief::find_openness(const View& view, const Options& options, const gl::T
   if (gl::limits().software) gl::finish();  // see Tiles
   occlusion_.run({views_[tile_level], 1 << (tile_level - finest)}, {&pyramid_}, {&openness_},
                  {vec4(1, 0, 0, 0)});
+  return {openness_, float(2 << finest)};
 }
 
 void Relief::run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
                  const gl::Texture& out) {
-  view.bind();
-  find_openness(view, options, depth);
+  const Openness openness = find_openness(view, options, depth);
   if (!relief_) relief_ = ScreenPass("passes/relief.glsl", {GL_RGBA32F});
-  const int height = view.picture_height();
-  // An orthographic camera has no distance to compare with: take that of a 45 degree camera of the same
-  // extent.
-  const double distance = height / view.camera().pixels_per_unit() / (2 * std::tan(glm::radians(22.5)));
-  relief_.set("square_px", float(2 << finest_level(height, levels)))
-      .set("radius_px", options.edl_radius * widened(height))
+  relief_.set("square_px", openness.square_px)
+      .set("radius_px", radius_px(options, view.picture_height()))
       .set("strength", options.edl_strength)
       .set("occlusion", options.occlusion)
-      .set("orthographic_distance", float(distance))
+      .set("orthographic_distance", orthographic_distance(view))
       .set("spacing", options.spacing);
   gl::copy(color, ivec2(0), out, ivec2(0), ivec2(color.width(), color.height()));
   relief_.run({views_[tile_level], 2 << tile_level}, {&color, &depth, &openness_}, {&out}, {});

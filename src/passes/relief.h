@@ -30,12 +30,22 @@ class Relief {
   void run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
            const gl::Texture& out);
 
+  /// The first half of it: ambient occlusion alone, of squares.
+  struct Openness {
+    const gl::Texture& squares;  ///< RG32F: openness, and noise of the depth, scene units
+    float square_px;
+  };
+  Openness find_openness(const View& view, const Options& options, const gl::Texture& depth);
+  /// A distance to compare depths with where there is no eye: that of a camera of 45 degrees that sees as
+  /// much.
+  static float orthographic_distance(const View& view);
+  /// Of eye-dome lighting in a picture so high.
+  static float radius_px(const Options& options, int picture_height);
+
   /// How far around itself a pixel sees, px.
   static int reach_px(const Options& options, int picture_height);
 
  private:
-  void find_openness(const View& view, const Options& options, const gl::Texture& depth);
-
   static constexpr int levels = 6;  ///< squares of 2 to 64 px: whole in tiles, which begin at 64 px
   gl::Texture pyramid_, openness_;
   std::vector<gl::Texture> views_;

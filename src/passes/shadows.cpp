@@ -31,7 +31,7 @@ std::pair<dvec3, dvec3> perpendicular(const dvec3& n) {
   return {u, glm::cross(n, u)};
 }
 
-int largest_side() { return std::min(gl::limits().max_texture_size, 4096); }  // 64 MiB of depth and its copy
+int largest_side() { return std::min(gl::limits().max_texture_size, 4096); }  // 64 MiB of depth and copies
 
 int map_side(double texels) { return std::clamp(int(std::ceil(texels)), 16, largest_side()); }
 
@@ -208,6 +208,7 @@ void ShadowMaps::clear(Clouds clouds) {
     *each = {};
   for (auto* each : {&maps_, &layer_depth_, &opacity_}) each->clear();
   layer_ = {};
+  to_pixels_.forget();
   passed_.clear();
 }
 

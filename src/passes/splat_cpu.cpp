@@ -19,95 +19,13 @@
 namespace sfumato {
 namespace {
 
-using Disc = SplatCpu::Disc;
+using namespace cpu;
 
-/// Pixels of a row at a time.
-constexpr int lanes = 8;
 /// Rows whose sums stay in a core's cache while all splats of the band are added.
 constexpr int band_rows = 16;
+/// Rows that are given away together: at 3840 px 70 MB of sums and surface.
+constexpr int stripe_rows = 256;
 constexpr float miss = 2;  ///< squared distance from a centre, in radii
-
-/// What the shaders know as `frame`.
-struct Eye {
-  explicit Eye(const View& view) : eye_from_cloud(view.eye_from_cloud()) {
-    const Camera& camera = view.camera();
-    const Intrinsics k = camera.whole_intrinsics();
-    orthographic = camera.orthographic();
-    near = 1e-4f * float(camera.far_plane);
-    pixels_per_unit = float(camera.pixels_per_unit());
-    focal = vec2(float(k.fx), -float(k.fy)), middle = vec2(k.cx, k.cy);
-    tile = vec2(camera.tile_origin()), size = vec2(camera.width, camera.height);
-    room = 1e-3f + 2.5e-7f * float(std::max(camera.whole_width(), camera.whole_height()));
-    slopes_x.resize(std::size_t(camera.width + lanes));
-    slopes_y.resize(std::size_t(camera.height));
-    for (std::size_t x = 0; x < slopes_x.size(); ++x)
-      slopes_x[x] = (float(x) + 0.5f + tile.x - middle.x) / focal.x;
-    for (std::size_t y = 0; y < slopes_y.size(); ++y)
-      slopes_y[y] = (float(y) + 0.5f + tile.y - middle.y) / focal.y;
-  }
-  float pixels_at(float depth) const { return orthographic ? pixels_per_unit : pixels_per_unit / depth; }
-  vec3 to_camera(const vec3& eye) const { return orthographic ? vec3(0, 0, 1) : glm::normalize(-eye); }
-  vec3 turned(const vec3& v) const {
-    return vec3(eye_from_cloud[0]) * v.x + vec3(eye_from_cloud[1]) * v.y + vec3(eye_from_cloud[2]) * v.z;
-  }
-  vec2 pixel_from_eye(const vec3& eye) const {
-    return focal * vec2(eye) / (orthographic ? 1.0f : -eye.z) + middle - tile;
-  }
-
-  mat4 eye_from_cloud;
-  bool orthographic;
-  float near;  ///< hits nearer than that are not drawn
-  float pixels_per_unit, room;
-  vec2 focal, middle, tile, size;
-  std::vector<float> slopes_x, slopes_y;  ///< of the rays of columns and rows
-};
-
-/// The points of a chunk as shaders read them.
-struct Points {
-  Points(GpuCloud& cloud, std::size_t c) {
-    GpuCloud::Chunk& chunk = cloud.chunks()[c];
-    const auto at = [](const gl::TextureBuffer* buffer) {
-      return buffer ? buffer->buffer().memory() : nullptr;
-    };
-    positions = static_cast<const vec3*>(at(&cloud.positions(chunk)));
-    normals = static_cast<const std::uint32_t*>(at(&cloud.normals(chunk)));
-    radii = static_cast<const vec2*>(at(&cloud.radii(chunk)));
-    colors = static_cast<const Rgba8*>(at(&cloud.colors(chunk)));
-    field = static_cast<const float*>(at(cloud.field(chunk)));
-    if (cloud.has_shadow()) shadow = static_cast<const float*>(at(&cloud.shadow(chunk)));
-  }
-
-  /// Unit normal in cloud space, or 0 where the cloud knows none.
-  vec3 normal(std::uint32_t i) const {
-    const std::uint32_t code = normals[i];
-    if (code == 0) return vec3(0);
-    const vec2 e = vec2(float(code & 0xffff) / 65535, float(code >> 16) / 65535) * 2.0f - 1.0f;
-    vec3 n(e, 1 - std::abs(e.x) - std::abs(e.y));
-    if (n.z < 0) {
-      const vec2 folded = 1.0f - glm::abs(vec2(n.y, n.x));
-      n.x = n.x >= 0 ? folded.x : -folded.x;
-      n.y = n.y >= 0 ? folded.y : -folded.y;
-    }
-    return glm::normalize(n);
-  }
-
-  const vec3* positions;
-  const std::uint32_t* normals;
-  const vec2* radii;
-  const Rgba8* colors;
-  const float* field;
-  const float* shadow = nullptr;
-};
-
-[[gnu::always_inline]] inline bool is_cut(const GpuCloud::Cut& cut, const vec3& position) {
-  for (const vec4& plane : cut.planes)
-    if (glm::dot(vec3(plane), position) + plane.w > 0) return true;
-  if (cut.heights.empty()) return false;
-  const vec4 p(position, 1);
-  const float u = glm::dot(cut.u, p), v = glm::dot(cut.v, p);
-  if (!(u >= 0 && v >= 0 && u < float(cut.across) && v < float(cut.across))) return false;
-  return glm::dot(cut.up, position) > cut.heights[std::size_t(int(v) * cut.across + int(u))];
-}
 
 /// cloud_splat of shaders/splat_cloud.glsl.
 [[gnu::always_inline]] inline Disc disc_of(const Points& points, std::uint32_t i, const Eye& eye,
@@ -133,53 +51,12 @@ struct Points {
     disc.normal = glm::normalize(toward * (1 - surface) + disc.normal * turn);
   }
   if (shape.part != SplatPart::all &&
-      (points.field[i] > shape.field_threshold) != (shape.part == SplatPart::above))
+      (points.field_at(i) > shape.field_threshold) != (shape.part == SplatPart::above))
     disc.radius = 0;
   if (!cut.empty() && is_cut(cut, position)) disc.radius = 0;
   disc.behind =
       is_far_side ? std::max(shape.behind, shape.behind_radii / shape.radius_scale * disc.radius) : 0;
   return disc;
-}
-
-/// splat_pixels of shaders/splat.glsl.
-[[gnu::always_inline]] inline bool find_pixels(Disc& disc, const Eye& eye, float prefilter_px) {
-  const float depth = -disc.center.z, r2 = disc.radius * disc.radius;
-  const vec3 n = disc.normal;
-  vec2 a = r2 * glm::max(1.0f - vec2(n) * vec2(n), vec2(0)), b = r2 * vec2(n) * n.z;
-  float d = r2 * std::max(1 - n.z * n.z, 0.0f);
-  if (!(disc.radius > 0) || depth + std::sqrt(d) < eye.near) return false;
-  vec2 low(-1), high = eye.size;
-  const bool anywhere = [&] {
-    vec2 lo, hi;
-    if (eye.orthographic) {
-      lo = vec2(disc.center) - glm::sqrt(a);
-      hi = vec2(disc.center) + glm::sqrt(a);
-    } else {
-      if (depth <= 0) return true;
-      const float unit = 1 / depth, unit2 = unit * unit;
-      const vec2 c = vec2(disc.center) * unit;
-      a *= unit2, b *= unit2, d *= unit2;
-      const float front = 1 - d;
-      if (front <= 1e-6f) return true;
-      const vec2 root = glm::sqrt(glm::max((b * b - a * d) - 2.0f * b * c + a + c * c * d, vec2(0)));
-      lo = (c - b - root) / front;
-      hi = (c - b + root) / front;
-    }
-    const vec2 one = lo * eye.focal + eye.middle - eye.tile, two = hi * eye.focal + eye.middle - eye.tile;
-    low = glm::min(one, two), high = glm::max(one, two);
-    return false;
-  }();
-  if (!anywhere && prefilter_px > 0 && depth > 0) {
-    const vec2 center = eye.pixel_from_eye(disc.center);
-    low = glm::min(low, center - prefilter_px);
-    high = glm::max(high, center + prefilter_px);
-  }
-  const vec2 first = glm::clamp(glm::ceil(glm::max(low - 0.5f - eye.room, vec2(-1))), vec2(0), eye.size);
-  const vec2 last = glm::min(glm::floor(glm::min(high - 0.5f + eye.room, eye.size)), eye.size - 1.0f);
-  if (!(first.x <= last.x && first.y <= last.y)) return false;
-  disc.first_x = std::uint16_t(first.x), disc.first_y = std::uint16_t(first.y);
-  disc.last_x = std::uint16_t(last.x), disc.last_y = std::uint16_t(last.y);
-  return true;
 }
 
 /// hit_splat of shaders/splat.glsl at pixels side by side.
@@ -307,8 +184,7 @@ vec2 deeper_side(const Image<float>& nearest, int x, int y, float full_step) {
                                        SplatCpu::Sums& sums) {
   constexpr float grazing2 = 0.35f * 0.35f;
   const Caster caster(disc, eye, prefilter_px);
-  const Rgba8 srgb = points.colors[disc.point];
-  const vec4 color(linear_from_srgb(srgb.r), linear_from_srgb(srgb.g), linear_from_srgb(srgb.b), 1);
+  const vec4 color(points.linear_color(disc.point), 1);
   const vec3 own = eye.turned(points.normal(disc.point));
   const float lit = points.shadow ? points.shadow[disc.point] : 1;
   Hits hits;
@@ -330,9 +206,10 @@ vec2 deeper_side(const Image<float>& nearest, int x, int y, float full_step) {
         if (!blend.opaque && facing * facing < grazing2 * glm::dot(slope, slope) &&
             side * glm::dot(deeper_side(nearest, x, y, blend.epsilon), vec2(own.x, -own.y)) < 0)
           side = -side;
-        sums.color.at(x, y) += w * color;
-        sums.normal.at(x, y) += w * vec4(side * own, hits.t[k] - disc.behind);
-        if (points.shadow) sums.shadow.at(x, y) += w * lit;
+        const int row = y - sums.first_row;
+        sums.color.at(x, row) += w * color;
+        sums.normal.at(x, row) += w * vec4(side * own, hits.t[k] - disc.behind);
+        if (points.shadow) sums.shadow.at(x, row) += w * lit;
       }
     }
   }
@@ -359,7 +236,7 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
   std::vector<Points> chunks;
   std::size_t used = 0;
   for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
-    chunks.emplace_back(cloud, c);
+    chunks.emplace_back(cloud, c, Points::Reads{});
     const SplatBatches::OfChunk& of = batches.chunks[c];
     for (const SplatBatches::Ranges* ranges : {&of.points, &of.quads, &of.small})
       for (std::size_t r = 0; r < ranges->first.size(); ++r) {
@@ -397,14 +274,12 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
   });
 }
 
-SplatCpu::Sums SplatCpu::add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
-                                const Image<float>& nearest) const {
+void SplatCpu::add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
+                      const Image<float>& nearest, const std::function<void(const Sums&)>& take) const {
   const Eye eye(view);
   const int width = view.width(), height = view.height();
-  Sums sums{Image<vec4>(width, height), Image<vec4>(width, height), {}};
-  if (cloud.has_shadow()) sums.shadow = Image<float>(width, height);
   std::vector<Points> chunks;
-  for (std::size_t c = 0; c < cloud.chunks().size(); ++c) chunks.emplace_back(cloud, c);
+  for (std::size_t c = 0; c < cloud.chunks().size(); ++c) chunks.emplace_back(cloud, c, Points::Reads{});
 
   // The splats of each band, in their order.
   const std::size_t bands = std::size_t((height + band_rows - 1) / band_rows);
@@ -422,40 +297,55 @@ SplatCpu::Sums SplatCpu::add_up(GpuCloud& cloud, const View& view, const SplatBl
       for_each_band(disc, [&](std::size_t b) { entries[ends[b]++] = {&disc, batch.chunk}; });
 
   const Progress& progress = gl::lent_progress();
-  tbb::parallel_for(std::size_t(0), bands, [&](std::size_t b) {
-    progress.check();
-    add_rows(std::span(entries).subspan(starts[b], starts[b + 1] - starts[b]), chunks, eye, prefilter_px_,
-             blend, epsilon, nearest, int(b) * band_rows, sums);
-  });
-  return sums;
+  const int most_rows = std::min(stripe_rows, int(bands) * band_rows);
+  Sums sums{Image<vec4>(width, most_rows), Image<vec4>(width, most_rows), {}};
+  if (cloud.has_shadow()) sums.shadow = Image<float>(width, most_rows);
+  for (int first = 0; first < height; first += stripe_rows) {
+    sums.first_row = first, sums.rows = std::min(stripe_rows, height - first);
+    tbb::parallel_for(first / band_rows, (first + sums.rows + band_rows - 1) / band_rows, [&](int band) {
+      progress.check();
+      const int top = band * band_rows, row = top - first, rows = std::min(band_rows, height - top);
+      std::fill_n(&sums.color.at(0, row), width * rows, vec4(0));
+      std::fill_n(&sums.normal.at(0, row), width * rows, vec4(0));
+      if (!sums.shadow.empty()) std::fill_n(&sums.shadow.at(0, row), width * rows, 0.0f);
+      const std::size_t b = std::size_t(band);
+      add_rows(std::span(entries).subspan(starts[b], starts[b + 1] - starts[b]), chunks, eye, prefilter_px_,
+               blend, epsilon, nearest, top, sums);
+    });
+    take(sums);
+  }
 }
 
-SplatCpu::Surface SplatCpu::normalized(const View& view, const Sums& sums) {
+void SplatCpu::normalize(const View& view, const Sums& sums, Surface& surface) {
   const Eye eye(view);
-  const int width = view.width(), height = view.height();
-  Surface out{Image<vec4>(width, height), Image<vec4>(width, height, vec4(0, 0, 0, 1)),
-              Image<float>(width, height, std::numeric_limits<float>::infinity())};
+  const int width = view.width();
+  if (surface.depth.width() != width || surface.depth.height() != sums.color.height())
+    surface = {Image<vec4>(width, sums.color.height()), Image<vec4>(width, sums.color.height()),
+               Image<float>(width, sums.color.height())};
   const glm::mat3 cloud_from_eye = glm::transpose(glm::mat3(eye.eye_from_cloud));
-  tbb::parallel_for(0, height, [&](int y) {
+  tbb::parallel_for(0, sums.rows, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const vec4 color = sums.color.at(x, y);
+      vec4 &albedo = surface.albedo.at(x, y), &normal = surface.normal.at(x, y);
+      albedo = vec4(0), normal = vec4(0, 0, 0, 1);
+      float& depth = surface.depth.at(x, y);
+      depth = std::numeric_limits<float>::infinity();
       if (!(color.a > 0)) continue;
       const vec4 mean = sums.normal.at(x, y) / color.a;
-      const vec3 slope = eye.orthographic
-                             ? vec3(0, 0, -1)
-                             : vec3(eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)], -1);
+      const vec3 slope = eye.orthographic ? vec3(0, 0, -1)
+                                          : vec3(eye.slopes_x[std::size_t(x)],
+                                                 eye.slopes_y[std::size_t(sums.first_row + y)], -1);
       // On an outline, half of it beyond: then it is seen from the side.
       const vec3 facing =
           vec3(mean) - std::max(glm::dot(vec3(mean), slope), 0.0f) / glm::dot(slope, slope) * slope;
       const vec3 n = cloud_from_eye * facing;
       const float size = glm::length(n);
-      out.albedo.at(x, y) = vec4(vec3(color) / color.a, 1);
-      out.depth.at(x, y) = mean.w / glm::length(slope);  // ray distance to eye depth
-      out.normal.at(x, y) =
+      albedo = vec4(vec3(color) / color.a, 1);
+      depth = mean.w / glm::length(slope);  // ray distance to eye depth
+      normal =
           vec4(size > 1e-3f ? n / size : vec3(0), sums.shadow.empty() ? 1 : sums.shadow.at(x, y) / color.a);
     }
   });
-  return out;
 }
 
 }  // namespace sfumato

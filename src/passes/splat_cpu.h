@@ -4,9 +4,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/image.h"
+#include "passes/shaders_cpu.h"
 #include "passes/splat_raster.h"
 
 namespace sfumato {
@@ -17,38 +19,30 @@ class SplatCpu {
   /// by `shift`, and keeps the splats that reach a pixel no more than `epsilon` behind it.
   void find_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                     const SplatShift& shift, float epsilon, Image<float>& nearest);
-  /// Weighted sums as splat_accumulate.frag writes them.
+  /// Weighted sums as splat_accumulate.frag writes them, of some rows of a picture.
   struct Sums {
     Image<vec4> color, normal;
     Image<float> shadow;  ///< empty where the cloud has none
+    int first_row = 0, rows = 0;
   };
-  /// Over the splats that `find_nearest` has kept, of the same view, cloud and `nearest` or a nearer one.
-  Sums add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
-              const Image<float>& nearest) const;
+  /// Over the splats that `find_nearest` has kept, of the same view, cloud and `nearest` or a nearer one;
+  /// gives away a stripe after the other, so that no sums of a whole large picture take memory.
+  void add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
+              const Image<float>& nearest, const std::function<void(const Sums&)>& take) const;
 
   /// The surface from those sums, as splat_normalize.glsl writes it.
   struct Surface {
     Image<vec4> albedo, normal;
     Image<float> depth;
   };
-  static Surface normalized(const View& view, const Sums& sums);
-
-  /// What of a splat the pixels ask for.
-  struct Disc {
-    vec3 center;  // eye
-    float behind;
-    vec3 normal;  // eye, unit
-    float radius;
-    std::uint16_t first_x, first_y, last_x, last_y;  // pixels
-    std::uint32_t point;                             // of its chunk
-  };
+  static void normalize(const View& view, const Sums& sums, Surface& surface);
 
  private:
   struct OfBatch {
     std::size_t chunk = 0;
     std::uint32_t first = 0, count = 0;  // points of the chunk
     float depth = 0;                     // of one of them: distance from the eye
-    std::vector<Disc> discs;
+    std::vector<cpu::Disc> discs;
   };
   std::vector<OfBatch> kept_;
   float prefilter_px_ = 0;

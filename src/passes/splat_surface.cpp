@@ -56,11 +56,14 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, SplatShape shape, con
   see(cloud, view, shape, blend, timers);
   if (is_on_cpu()) {
     auto timing = timers.scope("accumulate");
-    const SplatCpu::Surface surface =
-        SplatCpu::normalized(view, cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_));
     make(targets, view);
-    targets.albedo.upload(surface.albedo), targets.depth.upload(surface.depth);
-    targets.normal.upload(surface.normal);
+    SplatCpu::Surface surface;
+    cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_, [&](const SplatCpu::Sums& sums) {
+      SplatCpu::normalize(view, sums, surface);
+      targets.albedo.upload_rows(surface.albedo, sums.first_row, sums.rows);
+      targets.depth.upload_rows(surface.depth, sums.first_row, sums.rows);
+      targets.normal.upload_rows(surface.normal, sums.first_row, sums.rows);
+    });
     return;
   }
   add_up(cloud, view, shape, blend, timers);
@@ -84,9 +87,11 @@ void SplatSurface::accumulate(GpuCloud& cloud, const View& view, const SplatShap
     auto timing = timers.scope("accumulate");
     nearest_here_ = nearest;
     cpu_.find_nearest(cloud, view, behind, batches_, shift_of(blend), epsilon_of(blend), nearest_here_);
-    const SplatCpu::Sums sums = cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_);
     make_sums(view);
-    color_sum_.upload(sums.color), normal_sum_.upload(sums.normal);
+    cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_, [&](const SplatCpu::Sums& sums) {
+      color_sum_.upload_rows(sums.color, sums.first_row, sums.rows);
+      normal_sum_.upload_rows(sums.normal, sums.first_row, sums.rows);
+    });
     return;
   }
   add_up(cloud, view, behind, blend, timers);

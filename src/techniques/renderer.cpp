@@ -164,11 +164,10 @@ struct Renderer::State {
   std::vector<Camera> together;  ///< while pictures are drawn that are put together; else empty
   Target target, item_target;
   gl::Texture finish_scratch, ground_factor, rgba8, linear;
-  Relief relief;
   ShadowMaps shadows;
   GroundPlane ground;
   Merge merge;
-  SmoothOutlines outlines;
+  LastLooks last_looks;
   Finish finish;
   ScreenPass add_sample;
   gl::Texture sum, averaged;
@@ -371,20 +370,8 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
-  if (shot.relief.any()) {
-    auto timing = shot.timers.scope("relief");
-    gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
-    shot.relief.spacing = closed_spacing(shot.items);
-    shot.relief.noise = surface_noise(shot.items);
-    relief.run(view, shot.relief, target.color, target.depth, finish_scratch);
-    std::swap(finish_scratch, target.color);
-  }
-  if (shot.with_smooth_outlines) {
-    auto timing = shot.timers.scope("smooth outlines");
-    gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
-    outlines.run(view, target.color, target.depth, finish_scratch);
-    std::swap(finish_scratch, target.color);
-  }
+  shot.relief.spacing = closed_spacing(shot.items), shot.relief.noise = surface_noise(shot.items);
+  last_looks.run(view, shot.relief, shot.with_smooth_outlines, target.color, target.depth, shot.timers);
 }
 
 Renderer::Renderer(gl::Context& context) : state_(std::make_unique<State>(context)) {}

@@ -1,6 +1,7 @@
 // Slices of work: how large they become, and that the drivers' calls keep to them.
 #include "gl/pace.h"
 
+#include <mutex>
 #include <epoxy/gl.h>
 
 #include <functional>
@@ -161,6 +162,8 @@ class Asked final : public Progress {
  public:
   void update(double, std::string_view) override {}
   bool cancelled() const override {
+    static std::mutex mutex;  // loops of the processor ask from several threads
+    const std::lock_guard lock(mutex);
     Submitted::ask();
     return false;
   }

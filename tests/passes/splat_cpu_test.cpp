@@ -105,6 +105,9 @@ TEST_F(SplatCpuTest, FromEveryCamera) {
   expect_alike("orthographic");
   camera_ = camera_at({0.4, -2.5, 0.5}, 640, 480).tile(250, 130, 200, 160);
   expect_alike("a tile");
+  gpu_->set_shadow(values_);
+  camera_ = camera_at({0.4, -2.5, 0.5}, 60, 701, 70);
+  expect_alike("of three stripes");
 }
 
 TEST_F(SplatCpuTest, WithPartsCutsAndShadows) {

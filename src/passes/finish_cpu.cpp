@@ -1,0 +1,329 @@
+#include "passes/finish_cpu.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/wide.h"
+#include "gl/pace.h"
+
+namespace sfumato {
+namespace {
+
+constexpr int lanes = 8;
+constexpr int rows_at_once = 16;
+
+template <class Row>
+void for_each_row(int height, const Row& row) {
+  const Progress& progress = gl::lent_progress();
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, rows_at_once), [&](const auto& range) {
+    progress.check();
+    for (int y = range.begin(); y < range.end(); ++y) row(y);
+  });
+}
+
+/// Shaders clamp what they look up to the picture: here it has a border of its last pixels.
+class Bordered {
+ public:
+  Bordered(const Image<float>& image, int border)
+      : border_(border), pixels_(image.width() + 2 * border + lanes, image.height() + 2 * border) {
+    for_each_row(pixels_.height(), [&](int y) {
+      const float* from = image.row(std::clamp(y - border, 0, image.height() - 1));
+      float* to = &pixels_.at(0, y);
+      std::fill_n(to, border, from[0]);
+      std::copy_n(from, image.width(), to + border);
+      std::fill_n(to + border + image.width(), border + lanes, from[image.width() - 1]);
+    });
+  }
+  const float& at(int x, int y) const { return pixels_.at(x + border_, y + border_); }
+  const float& at(const ivec2& p) const { return at(p.x, p.y); }
+
+ private:
+  int border_;
+  Image<float> pixels_;
+};
+
+// relief.glsl.
+
+constexpr int compass = 8;  // opposite ways follow each other
+constexpr float most_near = 0.008f, darkest = 1.2f, along_radii = 3, within_radii = 0.25f, own_way = 0.1f,
+                steepest = 4, fine_px = 2.5f, coarse_px = 6;
+
+/// What eight neighbours of pixels side by side tell.
+struct Around {
+  float behind[compass][lanes], bounded[compass][lanes];
+  float any[lanes];  ///< above 0 where one of them is bounded from below
+};
+
+struct ReliefLoop {
+  ReliefLoop(const View& view, const ReliefLook& of, const Bordered& depths, const Image<vec2>& openness)
+      : look(of),
+        depth(depths),
+        open(openness),
+        orthographic(view.camera().orthographic()),
+        pixels_per_unit(float(view.camera().pixels_per_unit())) {
+    for (int k = 0; k < compass; ++k) {
+      const float angle = float(k / 2) * 0.785398163f, side = k % 2 == 0 ? 1.0f : -1.0f;
+      aways[k] = side * look.radius_px * vec2(std::cos(angle), std::sin(angle));
+      offsets[k] = ivec2(glm::floor(aways[k] + 0.5f));
+    }
+  }
+
+  /// Between the centres of four squares.
+  [[gnu::always_inline]] vec2 around(int x, int y) const {
+    const vec2 at = (vec2(x, y) + 0.5f) / look.square_px - 0.5f, low = glm::floor(at), t = at - low;
+    const int x0 = std::clamp(int(low.x), 0, open.width() - 1),
+              y0 = std::clamp(int(low.y), 0, open.height() - 1),
+              x1 = std::clamp(int(low.x) + 1, 0, open.width() - 1),
+              y1 = std::clamp(int(low.y) + 1, 0, open.height() - 1);
+    return (1 - t.x) * (1 - t.y) * open.at(x0, y0) + t.x * (1 - t.y) * open.at(x1, y0) +
+           (1 - t.x) * t.y * open.at(x0, y1) + t.x * t.y * open.at(x1, y1);
+  }
+
+  [[gnu::always_inline]] void look_around(int x, int y, const float* noises, Around& out) const {
+    const float* own = &depth.at(x, y);
+    const float* neighbors[compass];
+    for (int k = 0; k < compass; ++k) neighbors[k] = &depth.at(x + offsets[k].x, y + offsets[k].y);
+    for (int i = 0; i < lanes; ++i) {
+      const float d = own[i], pixels = orthographic ? pixels_per_unit : pixels_per_unit / d;
+      const float scale = 1 / ((orthographic ? look.orthographic_distance : d) * 0.69314718f);
+      const float lowest = -steepest * look.radius_px / pixels;
+      float sum = 0;
+      for (int k = 0; k < compass; k += 2) {
+        const float a = d - neighbors[k][i], b = d - neighbors[k + 1][i];
+        // A plane lies before it on one side as far as behind on the other. Background is no side.
+        const float slope_a = b > -INFINITY ? std::min(std::max(b, lowest), 0.0f) : 0,
+                    slope_b = a > -INFINITY ? std::min(std::max(a, lowest), 0.0f) : 0;
+        const float of_a = std::clamp((a + slope_a - noises[i]) * scale, 0.0f, most_near),
+                    of_b = std::clamp((b + slope_b - noises[i]) * scale, 0.0f, most_near);
+        out.behind[k][i] = a, out.behind[k + 1][i] = b;
+        out.bounded[k][i] = of_a, out.bounded[k + 1][i] = of_b;
+        sum += of_a + of_b;
+      }
+      out.any[i] = sum;
+    }
+  }
+
+  [[gnu::always_inline]] float depth_at(int x, int y, const vec2& away) const {
+    return depth.at(ivec2(glm::floor(vec2(x, y) + 0.5f + away)));
+  }
+  [[gnu::always_inline]] float goes_on(int x, int y, const vec2& away, const vec2& along, float own,
+                                       float behind) const {
+    vec2 off = own - behind - vec2(depth_at(x, y, away + along), depth_at(x, y, away - along));
+    off = glm::min(glm::abs(off), vec2(0.5f * std::abs(off.x + off.y)));
+    const vec2 goes = glm::max(1.0f - 2.0f / behind * off, vec2(0));
+    return 0.5f * goes.x + 0.5f * goes.y;
+  }
+
+  /// Of eye-dome lighting, where something lies in front.
+  [[gnu::always_inline]] float shade(int x, int y, const Around& of, int lane) const {
+    const float own = depth.at(x, y);
+    vec2 toward(0);
+    for (int k = 0; k < compass; ++k) toward += of.bounded[k][lane] * aways[k];
+    float response = 0;
+    for (int k = 0; k < compass; ++k) {
+      const float lighter = of.bounded[k][lane];
+      if (lighter <= 0) continue;
+      vec2 way = toward + own_way * lighter * aways[k];
+      way *= 1 / std::sqrt(std::max(glm::dot(way, way), 1e-30f));
+      const vec2 along = along_radii * look.radius_px * vec2(-way.y, way.x);
+      response += lighter * goes_on(x, y, aways[k] + within_radii * look.radius_px * way, along, own,
+                                    of.behind[k][lane]);
+    }
+    const float exponent = response / 8 * 300 * look.strength * 2.2f;
+    return std::exp(-darkest * (1 - std::exp(-exponent / darkest)));
+  }
+
+  [[gnu::always_inline]] void row(int y, Image<vec4>& color) const {
+    const int width = color.width();
+    Around of;
+    float noises[lanes] = {}, shades[lanes] = {};
+    for (int first = 0; first < width; first += lanes) {
+      const int n = std::min(lanes, width - first);
+      const float* own = &depth.at(first, y);
+      vec4* pixels = &color.at(first, y);
+      bool covered = false;
+      for (int i = 0; i < n; ++i) covered = covered || (own[i] < INFINITY && pixels[i].a > 0);
+      if (!covered) continue;
+      for (int i = 0; i < n; ++i) {
+        const vec2 here = around(first + i, y);
+        const float between = look.spacing * (orthographic ? pixels_per_unit : pixels_per_unit / own[i]);
+        noises[i] = std::max(look.spacing * glm::smoothstep(fine_px, coarse_px, between), here.y);
+        shades[i] = 1 - look.occlusion + look.occlusion * here.x;
+      }
+      if (look.strength > 0) look_around(first, y, noises, of);
+      for (int i = 0; i < n; ++i) {
+        if (!(own[i] < INFINITY && pixels[i].a > 0)) continue;
+        if (look.strength > 0 && of.any[i] > 0) shades[i] *= shade(first + i, y, of, i);
+        pixels[i] = vec4(vec3(pixels[i]) * shades[i], pixels[i].a);
+      }
+    }
+  }
+
+  const ReliefLook& look;
+  const Bordered& depth;
+  const Image<vec2>& open;
+  bool orthographic;
+  float pixels_per_unit;
+  vec2 aways[compass];
+  ivec2 offsets[compass];
+};
+
+SFUMATO_WIDE void darken_row(const ReliefLoop& loop, int y, Image<vec4>& color) { loop.row(y, color); }
+
+// depth_edges.glsl.
+
+enum Edge : std::uint8_t { above = 1, below = 2, left = 4, right = 8 };
+
+struct EdgeFinder {
+  const Bordered& depth;
+  bool orthographic;
+  float pixels_per_unit;
+
+  /// Of pixels side by side, 1 where there is an edge with those `across`.
+  [[gnu::always_inline]] void find(int x, int y, const ivec2& across, std::int32_t* out) const {
+    constexpr float steepest_px = 4, sharpest = 2;
+    const float *before = &depth.at(x - across.x, y - across.y), *here = &depth.at(x, y),
+                *there = &depth.at(x + across.x, y + across.y),
+                *beyond = &depth.at(x + 2 * across.x, y + 2 * across.y);
+    for (int i = 0; i < lanes; ++i) {
+      const float h = here[i], t = there[i], b = before[i], f = beyond[i];
+      const bool is_here = h < INFINITY, is_there = t < INFINITY;
+      const float jump = std::abs(t - h), nearer = std::min(h, t);
+      const float pixels = orthographic ? pixels_per_unit : pixels_per_unit / nearer;
+      const float slope_b = b < INFINITY ? std::abs(h - b) : 0, slope_f = f < INFINITY ? std::abs(f - t) : 0;
+      const bool is_sharp = (jump * pixels > steepest_px) & (jump > sharpest * std::max(slope_b, slope_f));
+      out[i] = (is_here != is_there) | (is_here & is_there & is_sharp);
+    }
+  }
+};
+
+SFUMATO_WIDE void find_edges(const EdgeFinder& finder, int y, Image<std::uint8_t>& edges) {
+  const int width = edges.width();
+  std::int32_t beside[lanes], under[lanes];
+  for (int first = 0; first < width; first += lanes) {
+    finder.find(first, y, {1, 0}, beside), finder.find(first, y, {0, 1}, under);
+    const int n = std::min(lanes, width - first);
+    for (int i = 0; i < n; ++i)
+      edges.at(first + i, y) = std::uint8_t((beside[i] ? right : 0) | (under[i] ? below : 0));
+  }
+}
+
+// smooth_outlines.glsl.
+
+struct Outlines {
+  const Image<std::uint8_t>& edges;  ///< with the pixels below and on the right
+  const Image<float>& depth;
+
+  ivec2 clamped(const ivec2& p) const {
+    return glm::clamp(p, ivec2(0), ivec2(depth.width() - 1, depth.height() - 1));
+  }
+  bool is_edge(const ivec2& pixel, const ivec2& across) const {
+    const ivec2 at = clamped(glm::min(pixel, pixel + across));
+    return edges.at(at.x, at.y) & (across.x != 0 ? right : below);
+  }
+  float depth_at(const ivec2& pixel) const {
+    const ivec2 at = clamped(pixel);
+    return depth.at(at.x, at.y);
+  }
+  float step_at_corner(const ivec2& at, const ivec2& across, const ivec2& way) const {
+    const float ours = depth_at(at), other = depth_at(at + across), next = depth_at(at + way),
+                beyond = depth_at(at + across + way);
+    if (std::max(ours, beyond) < std::min(other, next)) return -0.5f;
+    return std::max(other, next) < std::min(ours, beyond) ? 0.5f : 0;
+  }
+  bool is_thin_end(const ivec2& at, const ivec2& across, const ivec2& way) const {
+    if (depth_at(at) > depth_at(at + across)) return false;
+    const ivec2 under = at - across;
+    if (is_edge(at, -across)) return !is_edge(under, way);
+    return is_edge(under, way) && is_edge(under, -across) && !is_edge(under - across, way);
+  }
+  vec2 end_of_edge(const ivec2& pixel, const ivec2& across, const ivec2& way) const {
+    constexpr int reach = 12;
+    bool ours = false, other = false;
+    int i = 0;
+    for (; i < reach; ++i) {
+      const ivec2 at = pixel + i * way;
+      ours = is_edge(at, way), other = is_edge(at + across, way);
+      if (ours || other || !is_edge(at + way, across)) break;
+    }
+    const ivec2 at = pixel + i * way;
+    float turn = 0;
+    if (ours != other)
+      turn = !ours ? -0.5f : is_thin_end(at, across, way) ? 0 : 0.5f;
+    else if (ours)
+      turn = step_at_corner(at, across, way);
+    return {float(i), turn};
+  }
+  float share_across(const ivec2& pixel, const ivec2& across) const {
+    const ivec2 way(across.y, across.x);
+    const vec2 one = end_of_edge(pixel, across, -way), two = end_of_edge(pixel, across, way);
+    const float middle = 0.5f * (one.x + two.x + 1);
+    float from = std::min(one.x, middle), to = std::min(one.x + 1, middle);
+    const float of_one = one.y * (to - from) * (1 - 0.5f * (from + to) / middle);
+    from = std::max(one.x, middle), to = std::max(one.x + 1, middle);
+    const float of_two = two.y * (to - from) * (0.5f * (from + to) / middle - 1);
+    return std::max(of_one, 0.0f) + std::max(of_two, 0.0f);
+  }
+
+  vec4 smoothed(const ivec2& pixel, unsigned sides, const Image<vec4>& color) const {
+    static constexpr ivec2 ways[] = {{0, -1}, {0, 1}, {-1, 0}, {1, 0}};  // in the order of Edge
+    vec4 sum(0);
+    float shares = 0;
+    for (; sides != 0; sides &= sides - 1) {
+      const ivec2 across = ways[std::countr_zero(sides)], other = pixel + across;
+      const float share = share_across(pixel, across);
+      sum += share * color.at(other.x, other.y);
+      shares += share;
+    }
+    if (shares > 1) sum /= shares, shares = 1;
+    return shares > 0 ? (1 - shares) * color.at(pixel.x, pixel.y) + sum : color.at(pixel.x, pixel.y);
+  }
+};
+
+}  // namespace
+
+void darken_relief(const View& view, const ReliefLook& look, const Image<float>& depth,
+                   const Image<vec2>& openness, Image<vec4>& color) {
+  const float farthest = (1 + along_radii + within_radii) * look.radius_px;
+  const Bordered bordered(depth, int(std::ceil(farthest)) + 1);
+  const ReliefLoop loop(view, look, bordered, openness);
+  for_each_row(color.height(), [&](int y) { darken_row(loop, y, color); });
+}
+
+void smooth_outlines(const View& view, const Image<float>& depth, Image<vec4>& color) {
+  const int width = color.width(), height = color.height();
+  Image<std::uint8_t> edges(width, height);
+  {
+    const Bordered bordered(depth, 2);
+    const EdgeFinder finder{bordered, view.camera().orthographic(), float(view.camera().pixels_per_unit())};
+    for_each_row(height, [&](int y) { find_edges(finder, y, edges); });
+  }
+  // Colours are taken before any is replaced.
+  struct Change {
+    int x;
+    vec4 color;
+  };
+  std::vector<std::vector<Change>> changes(static_cast<std::size_t>(height));
+  const Outlines outlines{edges, depth};
+  for_each_row(height, [&](int y) {
+    const std::uint8_t *own = edges.row(y), *over = edges.row(std::max(y - 1, 0));
+    for (int x = 0; x < width; ++x) {
+      unsigned sides = own[x];
+      if (y > 0 && (over[x] & below)) sides |= above;
+      if (x > 0 && (own[x - 1] & right)) sides |= left;
+      if (sides != 0) changes[std::size_t(y)].push_back({x, outlines.smoothed({x, y}, sides, color)});
+    }
+  });
+  for_each_row(height, [&](int y) {
+    for (const Change& change : changes[std::size_t(y)]) color.at(change.x, y) = change.color;
+  });
+}
+
+}  // namespace sfumato

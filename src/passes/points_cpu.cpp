@@ -1,0 +1,294 @@
+#include "passes/points_cpu.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "core/wide.h"
+#include "gl/commands.h"
+#include "gl/pace.h"
+#include "passes/shaders_cpu.h"
+
+namespace sfumato {
+namespace {
+
+using namespace cpu;
+
+constexpr std::uint64_t no_pair = std::numeric_limits<std::uint64_t>::max();
+
+struct BatchInView {
+  std::size_t chunk = 0;
+  const Batch* batch = nullptr;
+  float distance = 0;  // from the eye
+};
+
+/// From front to back, so that most of what is hidden is so when it is visited: no result depends on it.
+std::vector<BatchInView> batches_in_view(GpuCloud& cloud, const View& view) {
+  std::vector<BatchInView> out;
+  const mat4 eye_from_cloud(view.eye_from_cloud());
+  for (std::size_t c = 0; c < cloud.chunks().size(); ++c) {
+    const GpuCloud::Chunk& chunk = cloud.chunks()[c];
+    for (std::uint32_t b = 0; b < chunk.batch_count; ++b) {
+      const Batch& batch = cloud.prepared().batches[chunk.first_batch + b];
+      if (!GpuCloud::is_in_view(batch, view)) continue;
+      const vec3 middle = 0.5f * (batch.box_min + batch.box_max);
+      out.push_back({c, &batch, glm::length(vec3(eye_from_cloud * vec4(middle, 1)))});
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const BatchInView& a, const BatchInView& b) {
+    return std::pair(a.distance, a.batch) < std::pair(b.distance, b.batch);
+  });
+  return out;
+}
+
+/// What was there before; `pair` replaces it where it is less.
+[[gnu::always_inline]] inline std::uint64_t lower(std::uint64_t& cell, std::uint64_t pair) {
+  const std::atomic_ref<std::uint64_t> shared(cell);
+  std::uint64_t before = shared.load(std::memory_order_relaxed);
+  while (pair < before && !shared.compare_exchange_weak(before, pair, std::memory_order_relaxed)) {
+  }
+  return before;
+}
+
+/// The uniforms of points_to_pixels.comp, and its functions.
+struct Visitor {
+  Visitor(GpuCloud& cloud, const View& view, const PointVisit& asked, const Image<float>& limits,
+          PointsCpu::Pairs& nearest)
+      : eye(view),
+        visit(asked),
+        reference(asked.reference ? limits.data() : nullptr),
+        foot(asked.footprint),
+        cut(cloud.cut()),
+        pairs(nearest.data()),
+        width(nearest.width()),
+        height(nearest.height() / asked.list_length),
+        dots(foot.mode == SizeMode::adaptive && foot.dot_share > 0),
+        spacings(foot.mode == SizeMode::adaptive && !dots && foot.spacing_is_field),
+        single(foot.mode == SizeMode::pixels && foot.size <= 1),
+        oriented(foot.oriented && cloud.has_normals() && !single),
+        usual_spacing(cloud.median_spacing()),
+        largest_spacing(foot.largest_medians * usual_spacing),
+        spacing_unit(cloud.prepared().spacing_unit()) {}
+
+  [[gnu::always_inline]] void cover(int x, int y, float depth, std::uint32_t source) const {
+    const std::size_t at = std::size_t(y) * std::size_t(width) + std::size_t(x);
+    if (reference && !(depth >= reference[at] + visit.min_gap)) return;
+    std::uint64_t pair = std::uint64_t(std::bit_cast<std::uint32_t>(depth)) << 32 | source;
+    if (visit.list_length == 1) {
+      lower(pairs[at], pair);
+      return;
+    }
+    const std::size_t step = std::size_t(width) * std::size_t(height);
+    // Every entry keeps the least that it is given and hands on the rest, unless both are of one bin.
+    for (int k = 0; k < visit.list_length; ++k) {
+      const std::uint64_t before = lower(pairs[at + std::size_t(k) * step], pair);
+      if (before == no_pair || bin_of(before) == bin_of(pair)) return;
+      pair = std::max(pair, before);
+    }
+  }
+  float bin_of(std::uint64_t pair) const {
+    return std::floor(std::bit_cast<float>(std::uint32_t(pair >> 32)) * visit.inverse_bin);
+  }
+
+  /// Whether all of these pixels keep what is nearer.
+  [[gnu::always_inline]] bool is_hidden(const ivec2& low, const ivec2& high, float least) const {
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(least);
+    const std::size_t last = std::size_t(width) * std::size_t(height) * std::size_t(visit.list_length - 1);
+    for (int y = low.y; y <= high.y; ++y) {
+      std::uint64_t* row = pairs + last + std::size_t(y) * std::size_t(width);
+      for (int x = low.x; x <= high.x; ++x)
+        if (bits <= std::atomic_ref(row[x]).load(std::memory_order_relaxed) >> 32) return false;
+    }
+    return true;
+  }
+
+  /// px
+  [[gnu::always_inline]] float diameter_of(const Points& points, std::uint32_t i, const Batch& batch,
+                                           const vec3& position, float depth) const {
+    constexpr vec2 closing(2.5f, 3.75f);
+    constexpr float overlap = 1.41f, lone = 0.32f, lone_most = 3.2f;
+    float diameter = foot.size;
+    const float scale = eye.pixels_at(depth);
+    if (foot.mode == SizeMode::pixels) return diameter;
+    if (foot.mode == SizeMode::world) return diameter * scale;
+    vec2 own(0);
+    float spacing;
+    if (dots)
+      own = points.fields_at(i), spacing = own.x * spacing_unit;
+    else
+      spacing = std::min(spacings ? points.field_at(i) : batch.spacing_at(position), largest_spacing);
+    diameter *= spacing * scale;
+    const float plain = diameter;
+    if (foot.wide_px > 0 && diameter > foot.wide_px)
+      diameter = foot.wide_px * std::sqrt(std::sqrt(diameter / foot.wide_px));
+    if (!dots) return diameter;
+    const float apart = foot.size * std::min(spacing, usual_spacing) * scale;
+    const float most_px = foot.most_dot_px * glm::clamp(lone * apart / foot.most_dot_px, 1.0f, lone_most);
+    const float as_dot = glm::clamp(foot.dot_share * plain, foot.least_dot_px, most_px);
+    own.y *= 1 - glm::smoothstep(closing.x, closing.y, plain / foot.wide_px);
+    diameter = glm::mix(as_dot, diameter, own.y);
+    const float usual = std::max(foot.sparse_px / scale, overlap * usual_spacing);
+    if (spacing > usual)
+      diameter = std::max(std::min(diameter, foot.least_dot_px), diameter * std::sqrt(usual / spacing));
+    return diameter;
+  }
+
+  /// A disc in the plane of its normal, where the rays through the centres of pixels meet it.
+  [[gnu::always_inline]] void cover_oriented(const vec3& center, const vec3& normal, float diameter,
+                                             std::uint32_t source) const {
+    constexpr float least_px = 0.71f, dense_px = 1.5f;  // points_to_pixels.cpp
+    const float depth = -center.z;
+    Disc disc;
+    disc.center = center, disc.normal = normal;
+    disc.radius = std::max(0.5f * std::min(diameter, foot.most_px), least_px) / eye.pixels_at(depth);
+    if (diameter < dense_px) {
+      const vec2 pixel = glm::floor(eye.pixel_from_eye(center));
+      if (!is_inside(pixel)) return;
+      disc.first_x = disc.last_x = std::uint16_t(pixel.x);
+      disc.first_y = disc.last_y = std::uint16_t(pixel.y);
+    } else if (!find_pixels(disc, eye, 0)) {
+      return;
+    }
+    const float spread = eye.orthographic ? 1 : depth, perspective = eye.orthographic ? 0 : 1;
+    for (int y = disc.first_y; y <= disc.last_y; ++y)
+      for (int x = disc.first_x; x <= disc.last_x; ++x) {
+        const vec2 slope(eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)]);
+        const vec3 direction(slope * perspective, -1);
+        const vec2 across = slope * spread - vec2(center);
+        // Edge-on: infinite or not a number, hence a miss.
+        const float beyond = -glm::dot(vec2(normal), across) / glm::dot(normal, direction);
+        const vec3 offset = vec3(across, 0) + beyond * direction;
+        const float hit = depth + beyond;
+        if (glm::dot(offset, offset) <= disc.radius * disc.radius && hit >= eye.near_plane)
+          cover(x, y, hit, source);
+      }
+  }
+
+  [[gnu::always_inline]] void cover_round(const vec2& center, float diameter, float depth,
+                                          std::uint32_t source) const {
+    const float radius = 0.5f * std::min(diameter, foot.most_px);
+    // A paraboloid as deep as its radius.
+    const float bulge = 1 / (radius * eye.pixels_at(depth)), radius2 = radius * radius;
+    const vec2 first = glm::max(glm::ceil(center - radius - 0.5f), vec2(0)),
+               last = glm::min(glm::floor(center + radius - 0.5f), eye.size - 1.0f);
+    if (!(first.x <= last.x && first.y <= last.y)) return;
+    const ivec2 low(first), high(last), own(glm::floor(center));
+    if (is_hidden(low, high, depth)) return;
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        const vec2 away = vec2(x, y) + 0.5f - center;
+        const float away2 = glm::dot(away, away);
+        // It always owns the pixel its centre falls into, however small it is.
+        if (away2 <= radius2 || ivec2(x, y) == own)
+          cover(x, y, depth + bulge * std::min(away2, radius2), source);
+      }
+  }
+
+  bool is_inside(const vec2& pixel) const {
+    return pixel.x >= 0 && pixel.y >= 0 && pixel.x < eye.size.x && pixel.y < eye.size.y;
+  }
+
+  [[gnu::always_inline]] void point(const Points& points, std::uint32_t i, const Batch& batch) const {
+    if (visit.casters) {
+      const float stopped = points.opacity ? points.opacity[i] : 0;
+      if (!(stopped >= visit.casters->from && stopped < visit.casters->below)) return;
+    }
+    const vec3 position = points.positions[i];
+    if (!cut.empty() && is_cut(cut, position)) return;
+    const vec3 place = eye.turned(position) + vec3(eye.eye_from_cloud[3]);
+    const float depth = -place.z;
+    if (!(depth >= eye.near_plane)) return;
+    const std::uint32_t source = points.source_index[i];
+    const vec2 center = eye.pixel_from_eye(place);
+    if (!single) {
+      const float diameter = diameter_of(points, i, batch, position, depth);
+      const bool is_single = diameter < foot.single_px;
+      if (oriented && !is_single) {
+        const vec3 normal = eye.turned(points.normal(i));
+        if (glm::dot(normal, normal) > 0.25f) {
+          cover_oriented(place, normal, diameter, source);
+          return;
+        }
+      }
+      if (diameter > 1 && !is_single) {
+        cover_round(center, diameter, depth, source);
+        return;
+      }
+    }
+    if (is_inside(center)) cover(int(center.x), int(center.y), depth, source);
+  }
+
+  Eye eye;
+  const PointVisit& visit;
+  const float* reference;
+  const Footprint& foot;
+  const GpuCloud::Cut& cut;
+  std::uint64_t* pairs;
+  int width, height;
+  bool dots, spacings, single, oriented;
+  float usual_spacing, largest_spacing, spacing_unit;
+};
+
+SFUMATO_WIDE void visit_batch(const Visitor& visitor, const Points& points, std::uint32_t first,
+                              const Batch& batch) {
+  for (std::uint32_t i = first; i < first + batch.count; ++i) visitor.point(points, i, batch);
+}
+
+}  // namespace
+
+void PointsCpu::begin(int width, int height) {
+  if (pairs_.width() != width || pairs_.height() != height) pairs_ = Pairs(width, height);
+  std::fill(pairs_.begin(), pairs_.end(), no_pair);
+}
+
+void PointsCpu::begin(const gl::Texture& depth_bits, const gl::Texture* index) {
+  begin(depth_bits.width(), depth_bits.height());
+  depth_bits.download(depth_bits_);
+  if (index) index->download(index_);
+  for (std::size_t i = 0; i < pairs_.size(); ++i)
+    pairs_.data()[i] = std::uint64_t(depth_bits_.data()[i]) << 32 | (index ? index_.data()[i] : ~0u);
+}
+
+const Image<std::uint32_t>& PointsCpu::words(Image<std::uint32_t>& out, int shift) const {
+  if (out.width() != pairs_.width() || out.height() != pairs_.height())
+    out = Image<std::uint32_t>(pairs_.width(), pairs_.height());
+  std::transform(pairs_.begin(), pairs_.end(), out.begin(),
+                 [&](std::uint64_t pair) { return std::uint32_t(pair >> shift); });
+  return out;
+}
+
+void PointsCpu::end(gl::Texture& depth_bits, gl::Texture* index) {
+  depth_bits.upload(words(depth_bits_, 32));
+  if (index) index->upload(words(index_, 0));
+}
+
+void PointsCpu::visit(GpuCloud& cloud, const View& view, const PointVisit& visit) {
+  if (visit.reference) visit.reference->download(reference_);
+  const Visitor visitor(cloud, view, visit, reference_, pairs_);
+  std::vector<Points> chunks;
+  for (std::size_t c = 0; c < cloud.chunks().size(); ++c)
+    chunks.emplace_back(cloud, c, Points::Reads{visitor.oriented, false, false});
+  const std::vector<BatchInView> batches = batches_in_view(cloud, view);
+
+  gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+  gl::end_stretch();
+  gl::finish();
+  const Progress& progress = gl::lent_progress();
+  std::atomic<std::size_t> next = 0;
+  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
+    for (std::size_t k = next++; k < batches.size(); k = next++) {
+      progress.check();
+      const BatchInView& of = batches[k];
+      visit_batch(visitor, chunks[of.chunk], of.batch->first - cloud.chunks()[of.chunk].first, *of.batch);
+    }
+  });
+}
+
+}  // namespace sfumato

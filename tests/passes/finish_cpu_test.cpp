@@ -1,0 +1,119 @@
+// Relief and smooth outlines by the processor against those by shaders.
+#include <cmath>
+#include <random>
+
+#include "passes/finish.h"
+#include "reference/gl_fixture.h"
+
+using namespace sfumato;
+using namespace sfumato::testing;
+
+namespace {
+
+class FinishCpuTest : public GlTest {
+ protected:
+  /// Balls, a tilted wall with noise, a wire, a fence, holes, and nothing beside them; of a size that no tile
+  /// or vector divides.
+  FinishCpuTest() : depth_(333, 201, INFINITY), color_(333, 201, vec4(0)) {
+    std::mt19937 random(3);
+    std::normal_distribution<float> noise(0, 0.004f);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    for (int y = 0; y < depth_.height(); ++y)
+      for (int x = 0; x < depth_.width(); ++x) {
+        float& d = depth_.at(x, y);
+        if (x > 40 && y > 20 && !(x > 200 && x < 230 && y > 60 && y < 66))
+          d = 10 + 0.01f * float(x) - 0.02f * float(y) + noise(random);
+        for (const vec3& ball : {vec3(90, 80, 40), vec3(160, 100, 55), vec3(300, 180, 30)}) {
+          const float away2 =
+              (float(x) - ball.x) * (float(x) - ball.x) + (float(y) - ball.y) * (float(y) - ball.y);
+          if (away2 < ball.z * ball.z) d = std::min(d, 7 - 0.02f * std::sqrt(ball.z * ball.z - away2));
+        }
+        if (std::abs(y - x / 3) < 1) d = std::min(d, 6.0f);
+        if (y > 150 && x % 9 < 2) d = std::min(d, 6.5f);
+        if (uniform(random) < 0.01f) d = 5;
+        if (std::isfinite(d)) color_.at(x, y) = vec4(uniform(random), uniform(random), uniform(random), 1);
+        if (x % 50 == 49) color_.at(x, y) *= 0.6f;  // half transparent
+      }
+  }
+  Image<vec4> finished(gl::Place place) {
+    const WithPreference<gl::Place> with(&gl::Preferences::finish, place);
+    Camera camera = camera_at({0, -8, 0}, whole_.x, whole_.y);
+    camera.projection = projection_;
+    camera.height_world = 6;
+    camera.near_plane = 1, camera.far_plane = 20;
+    if (whole_.x > depth_.width()) camera = camera.tile(128, 64, depth_.width(), depth_.height());
+    gl::Texture color("color", GL_RGBA32F, depth_.width(), depth_.height()),
+        depth("depth", GL_R32F, depth_.width(), depth_.height());
+    color.upload(color_), depth.upload(depth_);
+    gl::Timers timers(false);
+    LastLooks().run(View(camera, dvec3(0)), relief_, outlines_, color, depth, timers);
+    return color.download<vec4>();
+  }
+  /// Sums of weights and powers are rounded elsewhere; a step that is as high as what counts as one may fall
+  /// on either side.
+  void expect_alike(const char* which) {
+    SCOPED_TRACE(which);
+    const Image<vec4> a = finished(gl::Place::gpu), b = finished(gl::Place::cpu);
+    std::size_t changed = 0, differ = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const auto away = [&](const vec4& p, const vec4& q) {
+        const vec4 d = glm::abs(p - q);
+        return std::max(std::max(d.x, d.y), std::max(d.z, d.w));
+      };
+      changed += away(a.data()[i], color_.data()[i]) > 0.01f;
+      differ += !(away(a.data()[i], b.data()[i]) < 2e-4f);
+    }
+    EXPECT_GT(changed, a.size() / 100);
+    EXPECT_LE(differ, a.size() / 5000);
+  }
+
+  Image<float> depth_;
+  Image<vec4> color_;
+  Relief::Options relief_;
+  bool outlines_ = false;
+  Projection projection_ = Projection::perspective;
+  ivec2 whole_{333, 201};  ///< the picture, or that of which it is a tile
+};
+
+}  // namespace
+
+TEST_F(FinishCpuTest, LooksAsByShaders) {
+  outlines_ = true;
+  expect_alike("outlines");
+  relief_.edl_strength = 0.4f;
+  expect_alike("lines and outlines");
+  outlines_ = false, relief_.occlusion = 1;
+  expect_alike("relief");
+  relief_.spacing = 0.2f, relief_.noise = 0.004f;  // 5 to 7 px
+  expect_alike("of points far apart");
+  relief_.edl_strength = 0;
+  expect_alike("occlusion alone");
+}
+
+TEST_F(FinishCpuTest, Orthographic) {
+  projection_ = Projection::orthographic;
+  outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 0.7f;
+  expect_alike("all");
+}
+
+// Lines, and squares of openness, are wider in pictures of more than 720 rows.
+TEST_F(FinishCpuTest, ATileOfALargePicture) {
+  whole_ = {1920, 1600};
+  outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 1;
+  expect_alike("all");
+}
+
+// What a shader would clamp lies outside of a picture smaller than the reach.
+TEST_F(FinishCpuTest, ATinyPicture) {
+  Image<float> depth(5, 3, 7);
+  depth.at(2, 1) = 6, depth.at(4, 2) = INFINITY;
+  whole_ = {5, 3}, depth_ = depth, color_ = Image<vec4>(5, 3, vec4(0.5f, 0.4f, 0.3f, 1));
+  color_.at(4, 2) = vec4(0);
+  outlines_ = true, relief_.edl_strength = 1, relief_.edl_radius = 9;
+  expect_alike("all");
+}
+
+TEST_F(FinishCpuTest, NothingAskedChangesNothing) {
+  const Image<vec4> same = finished(gl::Place::cpu);
+  for (std::size_t i = 0; i < same.size(); ++i) ASSERT_EQ(same.data()[i], color_.data()[i]);
+}
