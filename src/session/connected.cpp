@@ -1,5 +1,6 @@
 #include "session/connected.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -42,21 +43,48 @@ struct Part {
 };
 
 std::uint64_t key_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) { return x << 42 | y << 21 | z; }
+/// Of the voxel twice as wide `times` times over that holds it.
+std::uint64_t wider(std::uint64_t key, int times) {
+  return key_of(key >> 42 >> times, (key >> 21 & axis_mask) >> times, (key & axis_mask) >> times);
+}
 
-/// One part for each key, ascending. `room` spares pages where there are several in turn.
-void merge(std::vector<Part>& parts, std::vector<Part>& room) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(
-      parts.size());  // far smaller than what it orders
-  for (std::uint32_t i = 0; i < parts.size(); ++i) order[i] = {parts[i].key, i};
-  tbb::parallel_sort(order.begin(), order.end());
-  room.clear();
-  room.reserve(parts.size());
-  for (const auto& [key, i] : order)
-    if (!room.empty() && room.back().key == key)
-      room.back().add(parts[i]);
-    else
-      room.push_back(parts[i]);
-  std::swap(parts, room);
+/// The voxel of each point.
+std::vector<std::uint64_t> keys_of(std::span<const dvec3> points, const dvec3& from, double edge) {
+  std::vector<std::uint64_t> keys(points.size());
+  tbb::parallel_for(std::size_t(0), points.size(), [&](std::size_t i) {
+    const dvec3 at = glm::clamp(glm::floor((points[i] - from) / edge) + most, dvec3(0), dvec3(2 * most - 1));
+    keys[i] = key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z));
+  });
+  return keys;
+}
+
+using Keyed = std::pair<std::uint64_t, std::uint32_t>;
+
+/// One part for each key, ascending, of what `add` adds to it: of each of the keyed, in their order.
+template <class Add>
+void merge(std::vector<Keyed>& keyed, std::vector<Part>& parts, const Add& add) {
+  tbb::parallel_sort(keyed.begin(), keyed.end());
+  constexpr std::size_t blocks = 64;
+  std::array<std::size_t, blocks + 1> begins{}, firsts{};  // of the keyed, of parts
+  for (std::size_t b = 1; b <= blocks; ++b) {
+    std::size_t at = std::max(begins[b - 1], b * keyed.size() / blocks);
+    while (at > 0 && at < keyed.size() && keyed[at].first == keyed[at - 1].first) ++at;
+    begins[b] = at;
+  }
+  const auto is_new = [&](std::size_t k) { return k == 0 || keyed[k].first != keyed[k - 1].first; };
+  tbb::parallel_for(std::size_t(0), blocks, [&](std::size_t b) {
+    for (std::size_t k = begins[b]; k < begins[b + 1]; ++k) firsts[b + 1] += is_new(k);
+  });
+  std::partial_sum(firsts.begin(), firsts.end(), firsts.begin());
+  parts.assign(firsts[blocks], {});
+  tbb::parallel_for(std::size_t(0), blocks, [&](std::size_t b) {
+    std::size_t to = firsts[b];
+    for (std::size_t k = begins[b]; k < begins[b + 1]; ++k) {
+      if (is_new(k) && k > begins[b]) ++to;
+      parts[to].key = keyed[k].first;
+      add(parts[to], keyed[k].second);
+    }
+  });
 }
 
 /// Of voxels, whose keys ascend, what touches by a side, an edge or a corner: each at the place of one of its
@@ -68,59 +96,53 @@ void components(const std::vector<Part>& voxels, std::vector<std::uint32_t>& roo
     while (root[i] != i) i = root[i] = root[root[i]];
     return i;
   };
-  // The neighbours that come earlier: as the keys ascend, so do theirs, each by its own place.
-  std::array<std::uint32_t, 13> places{};
+  // Of those that come earlier four rows beside it, each from one below to one above it, and the one below it
+  // in its own: as the keys ascend, so do the places where a row is met.
+  constexpr std::array<std::pair<int, int>, 4> rows{{{-1, -1}, {-1, 0}, {-1, 1}, {0, -1}}};
+  std::array<std::uint32_t, rows.size()> places{};
   for (std::uint32_t i = 0; i < voxels.size(); ++i) {
-    const std::uint64_t key = voxels[i].key;
-    for (std::size_t step = 0; step < places.size(); ++step) {
-      const std::uint64_t x = (key >> 42) + std::uint64_t(step / 9) - 1,
-                          y = (key >> 21 & axis_mask) + std::uint64_t(step / 3 % 3) - 1,
-                          z = (key & axis_mask) + std::uint64_t(step % 3) - 1;
-      if (x > axis_mask || y > axis_mask || z > axis_mask) continue;
-      const std::uint64_t other = key_of(x, y, z);
-      std::uint32_t& place = places[step];
-      while (voxels[place].key < other) ++place;
-      if (voxels[place].key == other) root[find(i)] = find(place);
+    const std::uint64_t key = voxels[i].key, z = key & axis_mask;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const std::uint64_t x = (key >> 42) + std::uint64_t(rows[r].first),
+                          y = (key >> 21 & axis_mask) + std::uint64_t(rows[r].second);
+      if (x > axis_mask || y > axis_mask) continue;
+      const std::uint64_t low = key_of(x, y, z - (z > 0)), high = key_of(x, y, std::min(z + 1, axis_mask));
+      std::uint32_t& place = places[r];
+      while (voxels[place].key < low) ++place;
+      for (std::uint32_t k = place; voxels[k].key <= high; ++k) root[find(i)] = find(k);
     }
+    if (i > 0 && z > 0 && voxels[i - 1].key == key - 1) root[find(i)] = find(i - 1);
   }
   parts.assign(voxels.size(), {});
   for (std::uint32_t i = 0; i < voxels.size(); ++i) root[i] = find(i), parts[root[i]].add(voxels[i]);
 }
 
-/// The voxel of each point, by its key.
-std::vector<Part> voxels_of(std::span<const dvec3> points, const dvec3& from, double edge) {
-  std::vector<Part> voxels;
-  voxels.reserve(points.size());
-  for (const dvec3& p : points) {
-    const dvec3 at = glm::clamp(glm::floor((p - from) / edge) + most, dvec3(0), dvec3(2 * most - 1));
-    const vec4 aslant = along_diagonals(p - from);
-    voxels.push_back(
-        {key_of(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)), 1, p, p, aslant, aslant});
-  }
-  return voxels;
+void add_point(Part& part, const dvec3& p, const dvec3& from) {
+  const vec4 aslant = along_diagonals(p - from);
+  part.add({0, 1, p, p, aslant, aslant});
 }
 
-/// Of the points in a box those of the largest part that voxels of this edge join.
+/// Of the points in a box those of the largest part that voxels of these keys join.
 std::vector<bool> members_of(std::span<const dvec3> points, const Bounds& box, const dvec3& from,
-                             double edge) {
-  const std::vector<Part> voxel = voxels_of(points, from, edge);
-  std::vector<Part> voxels;
-  for (const Part& each : voxel)
-    if (glm::all(glm::greaterThanEqual(each.low, box.min)) && glm::all(glm::lessThanEqual(each.low, box.max)))
-      voxels.push_back(each);
-  std::vector<bool> members(points.size(), voxels.empty());
-  if (voxels.empty()) return members;
-  std::vector<Part> parts;
-  merge(voxels, parts);
+                             const std::vector<std::uint64_t>& keys) {
+  std::vector<Keyed> inside;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    if (glm::all(glm::greaterThanEqual(points[i], box.min)) &&
+        glm::all(glm::lessThanEqual(points[i], box.max)))
+      inside.emplace_back(keys[i], i);
+  std::vector<bool> members(points.size(), inside.empty());
+  if (inside.empty()) return members;
+  std::vector<Part> voxels, parts;
+  merge(inside, voxels, [&](Part& part, std::uint32_t i) { add_point(part, points[i], from); });
   std::vector<std::uint32_t> root;
   components(voxels, root, parts);
   const auto largest = std::max_element(parts.begin(), parts.end(),
                                         [](const Part& a, const Part& b) { return a.points < b.points; });
-  std::vector<std::uint64_t> keys;
+  std::vector<std::uint64_t> joined;
   for (std::size_t i = 0; i < voxels.size(); ++i)
-    if (root[i] == largest - parts.begin()) keys.push_back(voxels[i].key);
+    if (root[i] == largest - parts.begin()) joined.push_back(voxels[i].key);
   for (std::size_t i = 0; i < points.size(); ++i)
-    members[i] = std::binary_search(keys.begin(), keys.end(), voxel[i].key);
+    members[i] = std::binary_search(joined.begin(), joined.end(), keys[i]);
   return members;
 }
 
@@ -130,14 +152,16 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
   constexpr double finest = 1024;  // of the usual size: a pixel or two
   const double edge = usual.diagonal() / finest;
   if (!(edge > 0)) return {usual, std::vector<bool>(points.size(), true)};
-  std::vector<Part> voxels = voxels_of(points, usual.min, edge), parts;
+  std::vector<std::uint64_t> keys = keys_of(points, usual.min, edge);
+  std::vector<Keyed> keyed(points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) keyed[i] = {keys[i], i};
+  std::vector<Part> voxels, narrower, parts;
+  merge(keyed, voxels, [&](Part& part, std::uint32_t i) { add_point(part, points[i], usual.min); });
   std::vector<std::uint32_t> root;
   Connected best{usual, {}};
-  double joined = edge;  // the width of what joins the best
+  int joined = 0;  // doublings of the edge of what joins the best
   double highest = -std::numeric_limits<double>::infinity();
-  for (double width = edge;; width *= 2) {
-    progress.check();
-    merge(voxels, parts);
+  for (int doublings = 0;; ++doublings) {
     progress.check();
     components(voxels, root, parts);
     for (const Part& part : parts) {
@@ -145,13 +169,17 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
       const double size = part.size();
       if (size < edge) continue;  // what a pixel of the usual picture holds is a place in it
       const double score = std::log(part.points) - gain * std::log(size);
-      if (score > highest) highest = score, best = {{part.low, part.high}, {}}, joined = width;
+      if (score > highest) highest = score, best = {{part.low, part.high}, {}}, joined = doublings;
     }
     if (std::count(root.begin(), root.end(), root[0]) == std::ptrdiff_t(root.size())) break;
-    for (Part& voxel : voxels)
-      voxel.key = key_of(voxel.key >> 43, voxel.key >> 22 & axis_mask >> 1, (voxel.key & axis_mask) >> 1);
+    progress.check();
+    std::swap(voxels, narrower);
+    keyed.resize(narrower.size());
+    for (std::uint32_t i = 0; i < narrower.size(); ++i) keyed[i] = {wider(narrower[i].key, 1), i};
+    merge(keyed, voxels, [&](Part& part, std::uint32_t i) { part.add(narrower[i]); });
   }
-  best.members = members_of(points, best.box, usual.min, joined);
+  tbb::parallel_for(std::size_t(0), keys.size(), [&](std::size_t i) { keys[i] = wider(keys[i], joined); });
+  best.members = members_of(points, best.box, usual.min, keys);
   return best;
 }
 
