@@ -6,6 +6,11 @@
 #include "gl/context.h"
 
 namespace sfumato::gl {
+namespace {
+
+constexpr GLbitfield software_map = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+
+}  // namespace
 
 Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : bytes_(bytes) {
   for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i) {  // a lost context has no end of them
@@ -15,8 +20,7 @@ Buffer::Buffer(const std::string& label, std::size_t bytes, const void* data) : 
   // stores, so less than the least size comes afterwards.
   constexpr std::size_t least = 16;
   // On software GL the processor may fill a buffer where it lies, and read it there while passes do.
-  const GLbitfield map =
-      GL_MAP_READ_BIT | (limits().software ? GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT : 0u);
+  const GLbitfield map = GL_MAP_READ_BIT | (limits().software ? software_map : 0u);
   glNamedBufferStorage(id_, GLsizeiptr(std::max(bytes, least)), bytes < least ? nullptr : data,
                        GL_DYNAMIC_STORAGE_BIT | map);
   if (bytes < least && data) upload(data, bytes);
@@ -42,7 +46,7 @@ const void* Buffer::memory() const {
   const std::lock_guard lock(mutex);
   if (!memory_ && limits().software)
     memory_ = glMapNamedBufferRange(id_, 0, GLsizeiptr(std::max<std::size_t>(bytes_, 1)),
-                                    GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT);
+                                    GL_MAP_READ_BIT | software_map);
   return memory_;
 }
 

@@ -37,6 +37,8 @@ class Buffer {
   /// Where software GL keeps it, to be read for as long as it lives by who waits for those who write
   /// (GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT); null on a GPU.
   const void* memory() const;
+  /// The same, to be written before what reads it is submitted.
+  void* memory_to_write() { return const_cast<void*>(memory()); }
   /// Fills with a repeated 32-bit word.
   void clear(std::uint32_t word);
   void bind_storage(int binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, GLuint(binding), id_); }

@@ -13,7 +13,9 @@
 #include "core/color.h"
 #include "core/wide.h"
 #include "gl/commands.h"
+#include "gl/context.h"
 #include "gl/pace.h"
+#include "gl/preferences.h"
 #include "passes/view.h"
 
 namespace sfumato {
@@ -60,7 +62,7 @@ constexpr float miss = 2;  ///< squared distance from a centre, in radii
 }
 
 /// hit_splat of shaders/splat.glsl at pixels side by side.
-struct Hits {
+struct LaneHits {
   float t[lanes];     // as SplatHit::t
   float rho2[lanes];  // squared distance from the centre in radii; 1 and more: a miss
 };
@@ -76,7 +78,7 @@ struct Caster {
     per_screen2 = prefilter_px > 0 && scale > 0 ? scale * scale : 0;
     off_screen2 = per_screen2 > 0 ? 0 : miss;
   }
-  [[gnu::always_inline]] void hit(const float* slopes_x, float slope_y, Hits& hits) const {
+  [[gnu::always_inline]] void hit(const float* slopes_x, float slope_y, LaneHits& hits) const {
     const float ay = slope_y * spread - disc.center.y, sy = slope_y * perspective;
     const float nx = disc.normal.x, nay = disc.normal.y * ay, nsy = disc.normal.y * sy - disc.normal.z;
     for (int k = 0; k < lanes; ++k) {
@@ -119,7 +121,7 @@ bool counts(float t, float nearest, float epsilon) { return t <= nearest * 1.000
                                          float epsilon, Image<float>& nearest) {
   const Caster caster(disc, eye, prefilter_px);
   bool is_near = false;
-  Hits hits;
+  LaneHits hits;
   for (int y = disc.first_y; y <= disc.last_y; ++y) {
     for (int x = disc.first_x; x <= disc.last_x; x += lanes) {
       caster.hit(&eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)], hits);
@@ -165,7 +167,7 @@ vec2 deeper_side(const Image<float>& nearest, int x, int y, float full_step) {
 }
 
 /// splat_weight of shaders/splat.glsl of the hits that count, 0 of the others.
-[[gnu::always_inline]] inline void weigh(const Hits& hits, const float* nearest, const SplatBlend& blend,
+[[gnu::always_inline]] inline void weigh(const LaneHits& hits, const float* nearest, const SplatBlend& blend,
                                          float epsilon, float* weights) {
   for (int k = 0; k < lanes; ++k) {
     const float rho = std::sqrt(hits.rho2[k]), rest = 1 - rho;
@@ -187,7 +189,7 @@ vec2 deeper_side(const Image<float>& nearest, int x, int y, float full_step) {
   const vec4 color(points.linear_color(disc.point), 1);
   const vec3 own = eye.turned(points.normal(disc.point));
   const float lit = points.shadow ? points.shadow[disc.point] : 1;
-  Hits hits;
+  LaneHits hits;
   float here[lanes] = {}, weights[lanes];
   for (int y = std::max(int(disc.first_y), first_row); y <= std::min(int(disc.last_y), last_row); ++y) {
     const float sy = eye.slopes_y[std::size_t(y)] * caster.perspective;
@@ -227,29 +229,84 @@ SFUMATO_WIDE void add_rows(std::span<const Entry> entries, const std::vector<Poi
         first_row + band_rows - 1, sums);
 }
 
+template <class Use>
+void for_each_range(const SplatBatches& batches, const Use& use) {
+  for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
+    const SplatBatches::OfChunk& of = batches.chunks[c];
+    for (const SplatBatches::Ranges* ranges : {&of.points, &of.quads, &of.small})
+      for (std::size_t r = 0; r < ranges->first.size(); ++r) {
+        const int corners = ranges == &of.quads ? 6 : 1;
+        use(c, std::uint32_t(ranges->first[r] / corners), std::uint32_t(ranges->count[r] / corners));
+      }
+  }
+}
+
+/// False when `take` wants no more.
+SFUMATO_WIDE bool give_hits(const Points& points, std::uint32_t first, std::uint32_t count, const Eye& eye,
+                            const SplatShape& shape, const GpuCloud::Cut& cut,
+                            const std::function<bool(const SplatCpu::Hits&)>& take) {
+  LaneHits hits;
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    Disc disc = disc_of(points, i, eye, shape, cut);
+    if (!find_pixels(disc, eye, shape.prefilter_px)) continue;
+    const Caster caster(disc, eye, shape.prefilter_px);
+    for (int y = disc.first_y; y <= disc.last_y; ++y)
+      for (int x = disc.first_x; x <= disc.last_x; x += lanes) {
+        caster.hit(&eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)], hits);
+        if (!take({points, disc, x, y, std::min(lanes, disc.last_x - x + 1), hits.t, hits.rho2}))
+          return false;
+      }
+  }
+  return true;
+}
+
 }  // namespace
+
+bool SplatCpu::is_used() {
+  return gl::limits().software && gl::preferences().splat_path == SplatPath::automatic &&
+         gl::place_of_work(gl::preferences().splats) == gl::Place::cpu;
+}
+
+void SplatCpu::for_each_hit(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                            const SplatBatches& batches, const std::function<bool(const Hits&)>& take) {
+  const Eye eye(view);
+  std::vector<Points> chunks;
+  for (std::size_t c = 0; c < batches.chunks.size(); ++c) chunks.emplace_back(cloud, c, Points::Reads{});
+  struct Range {
+    std::size_t chunk;
+    std::uint32_t first, count;
+  };
+  std::vector<Range> ranges;
+  for_each_range(batches, [&](std::size_t chunk, std::uint32_t first, std::uint32_t count) {
+    ranges.push_back({chunk, first, count});
+  });
+  gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+  gl::end_stretch();
+  gl::finish();
+  const Progress& progress = gl::lent_progress();
+  std::atomic<bool> goes_on = true;
+  tbb::parallel_for(std::size_t(0), ranges.size(), [&](std::size_t k) {
+    if (!goes_on) return;
+    progress.check();
+    const Range& of = ranges[k];
+    if (!give_hits(chunks[of.chunk], of.first, of.count, eye, shape, cloud.cut(), take)) goes_on = false;
+  });
+}
 
 void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
                             const SplatBatches& batches, const SplatShift& shift, float epsilon,
                             Image<float>& nearest) {
   const Eye eye(view);
   std::vector<Points> chunks;
+  for (std::size_t c = 0; c < batches.chunks.size(); ++c) chunks.emplace_back(cloud, c, Points::Reads{});
   std::size_t used = 0;
-  for (std::size_t c = 0; c < batches.chunks.size(); ++c) {
-    chunks.emplace_back(cloud, c, Points::Reads{});
-    const SplatBatches::OfChunk& of = batches.chunks[c];
-    for (const SplatBatches::Ranges* ranges : {&of.points, &of.quads, &of.small})
-      for (std::size_t r = 0; r < ranges->first.size(); ++r) {
-        const int corners = ranges == &of.quads ? 6 : 1;
-        if (used == kept_.size()) kept_.emplace_back();
-        OfBatch& batch = kept_[used++];
-        batch.chunk = c;
-        batch.first = std::uint32_t(ranges->first[r] / corners);
-        batch.count = std::uint32_t(ranges->count[r] / corners);
-        batch.depth = glm::length(eye.turned(chunks.back().positions[batch.first + batch.count / 2]) +
-                                  vec3(eye.eye_from_cloud[3]));
-      }
-  }
+  for_each_range(batches, [&](std::size_t chunk, std::uint32_t first, std::uint32_t count) {
+    if (used == kept_.size()) kept_.emplace_back();
+    OfBatch& batch = kept_[used++];
+    batch.chunk = chunk, batch.first = first, batch.count = count;
+    batch.depth =
+        glm::length(eye.turned(chunks[chunk].positions[first + count / 2]) + vec3(eye.eye_from_cloud[3]));
+  });
   kept_.resize(used);
   prefilter_px_ = shape.prefilter_px;
 

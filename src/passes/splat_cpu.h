@@ -15,6 +15,21 @@ namespace sfumato {
 
 class SplatCpu {
  public:
+  /// Whether splats are drawn so: OpenGL is software, and nobody prefers another way.
+  static bool is_used();
+
+  /// A splat at pixels [x, x + n) of row y.
+  struct Hits {
+    const cpu::Points& points;  ///< of which it is `disc.point`
+    const cpu::Disc& disc;
+    int x, y, n;
+    const float* t;     ///< distances along the rays
+    const float* rho2;  ///< squared distances from its centre in radii, 1 and more where the ray misses
+  };
+  /// Gives `take` all hits of `batches`, from several threads, until it returns false.
+  static void for_each_hit(GpuCloud& cloud, const View& view, const SplatShape& shape,
+                           const SplatBatches& batches, const std::function<bool(const Hits&)>& take);
+
   /// Lowers `nearest` (of the view's size, ray distances) to the nearest hits of `batches`, each moved back
   /// by `shift`, and keeps the splats that reach a pixel no more than `epsilon` behind it.
   void find_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,

@@ -2,15 +2,19 @@
 
 #include <limits>
 
-#include "gl/context.h"
-#include "gl/preferences.h"
 #include "passes/bindings.h"
 
 namespace sfumato {
 
 void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                                const SplatBatches& batches, const SplatShift& shift) {
+                                const SplatBatches& batches, const SplatShift& shift, float epsilon) {
   gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
+  if (SplatCpu::is_used()) {
+    nearest_here_ = Image<float>(view.width(), view.height(), std::numeric_limits<float>::infinity());
+    cpu_.find_nearest(cloud, view, shape, batches, shift, epsilon, nearest_here_);
+    nearest_t_.upload(nearest_here_);
+    return;
+  }
   nearest_t_.clear(vec4(std::numeric_limits<float>::infinity()));
   if (!nearest_) nearest_ = SplatRaster("passes/splat_nearest.frag");
   visit_.draw_nearest(cloud, view, shape, batches, shift, nearest_t_);
@@ -44,17 +48,12 @@ static void make(const SplatSurfaceTargets& targets, const View& view) {
   gl::ensure(targets.normal, "normal", GL_RGBA32F, view.width(), view.height());
 }
 
-static bool is_on_cpu() {
-  return gl::limits().software && gl::preferences().splat_path == SplatPath::automatic &&
-         gl::place_of_work(gl::preferences().splats) == gl::Place::cpu;
-}
-
 void SplatSurface::draw(GpuCloud& cloud, const View& view, SplatShape shape, const SplatBlend& blend,
                         const SplatSurfaceTargets& targets, gl::Timers& timers) {
   shape = behind_surface(shape, blend);
   batches_ = choose_batches(cloud, view, shape);
   see(cloud, view, shape, blend, timers);
-  if (is_on_cpu()) {
+  if (SplatCpu::is_used()) {
     auto timing = timers.scope("accumulate");
     make(targets, view);
     SplatCpu::Surface surface;
@@ -83,7 +82,7 @@ void SplatSurface::accumulate(GpuCloud& cloud, const View& view, const SplatShap
   batches_ = choose_batches(cloud, view, behind);
   gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
   nearest_t_.upload(nearest);
-  if (is_on_cpu()) {
+  if (SplatCpu::is_used()) {
     auto timing = timers.scope("accumulate");
     nearest_here_ = nearest;
     cpu_.find_nearest(cloud, view, behind, batches_, shift_of(blend), epsilon_of(blend), nearest_here_);
@@ -112,14 +111,7 @@ void SplatSurface::normalize(const View& view, const Image<vec4>& color_sum, con
 void SplatSurface::see(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,
                        gl::Timers& timers) {
   auto timing = timers.scope("visibility");
-  if (!is_on_cpu()) {
-    draw_nearest(cloud, view, shape, batches_, shift_of(blend));
-    return;
-  }
-  nearest_here_ = Image<float>(view.width(), view.height(), std::numeric_limits<float>::infinity());
-  cpu_.find_nearest(cloud, view, shape, batches_, shift_of(blend), epsilon_of(blend), nearest_here_);
-  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
-  nearest_t_.upload(nearest_here_);
+  draw_nearest(cloud, view, shape, batches_, shift_of(blend), epsilon_of(blend));
 }
 
 void SplatSurface::add_up(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,

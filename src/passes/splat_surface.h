@@ -38,9 +38,10 @@ class SplatSurface {
                  const SplatSurfaceTargets& targets, gl::Timers& timers);
   const gl::Texture& color_sum() const { return color_sum_; }
   const gl::Texture& normal_sum() const { return normal_sum_; }
-  /// Only the visibility pass, for techniques that accumulate in their own way.
+  /// Only the visibility pass, for techniques that accumulate in their own way. `epsilon`: behind that, what
+  /// is added up here.
   void draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                    const SplatShift& shift = {});
+                    const SplatShift& shift = {}, float epsilon = 0);
 
   /// R32F: ray distance of the nearest hit of every pixel, +inf where nothing.
   const gl::Texture& nearest_t() const { return nearest_t_; }

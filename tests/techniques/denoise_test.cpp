@@ -408,12 +408,13 @@ class Table : public GlTest {
     Camera camera = asked;
     camera.fit_depth_range(gpu.bounds());
     const View view(camera, prepared_.cloud.origin);
-    const SplatBatches batches = choose_batches(gpu, view, {});
+    if (!worth_.empty()) gpu.set_field(gpu.make_values("worth", worth_));
+    const SplatBatches batches = choose_batches(gpu, view, shape_);
     gl::Timers timers(false);
-    surface_.draw_nearest(gpu, view, {}, batches);
+    surface_.draw_nearest(gpu, view, shape_, batches);
     gl::Texture albedo, depth("depth", GL_R32F, camera.width, camera.height),
         normal("normal", GL_RGBA32F, camera.width, camera.height);
-    table_.draw(gpu, view, {}, batches, surface_.nearest_t(), options_, false, {albedo, depth, normal},
+    table_.draw(gpu, view, shape_, batches, surface_.nearest_t(), options_, false, {albedo, depth, normal},
                 timers);
     return table_.choice().download<vec4>();
   }
@@ -433,9 +434,60 @@ class Table : public GlTest {
     return found;
   }
   PreparedCloud prepared_;
+  SplatShape shape_;
+  std::vector<float> worth_;  ///< of the points, as a field
   SplatSurface surface_;
   denoise::BinTable table_;
 };
+
+// The loops that fill it where OpenGL is software, against the shaders. No bin counts, so that none is left
+// out.
+TEST_F(Table, IsThatOfShaders) {
+  constexpr int width = 64, height = 48;
+  options_.weight_threshold = 1000;
+  prepared_ =
+      analysis::prepare(noisy_sphere(3000, 0.05f, 1500, 4), Attribute::normal | Attribute::radius, {});
+  const auto expect_alike = [&](const char* which) {
+    std::vector<double> weights[2];
+    for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
+      const WithPreference<gl::Place> with(&gl::Preferences::splats, place);
+      choose(front_camera(width, height));
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          std::vector<double> of_pixel(400, 0.0);
+          if (options_.layout == denoise::Layout::dense) {
+            std::vector<std::uint32_t> slots(std::size_t(table_.slots()));
+            table_.weights().buffer().download(slots.data(), 4 * slots.size(),
+                                               4 * slots.size() * std::size_t(y * width + x));
+            std::transform(slots.begin(), slots.end(), of_pixel.begin(), [](auto w) { return w / 65536.0; });
+          } else {
+            for (const auto& [b, weight] : bins(x, y, width)) of_pixel.at(b) = weight;
+          }
+          auto& all = weights[place == gl::Place::cpu];
+          all.insert(all.end(), of_pixel.begin(), of_pixel.end());
+        }
+    }
+    // Each of some ten hits is rounded to 2^-16; one that lies on a border falls to either side.
+    std::size_t filled = 0, differ = 0;
+    for (std::size_t i = 0; i < weights[0].size(); ++i)
+      filled += weights[0][i] > 0, differ += std::abs(weights[0][i] - weights[1][i]) > 1e-3;
+    EXPECT_GT(filled, 2000u) << which;
+    EXPECT_LE(differ, filled / 500) << which;
+  };
+  expect_alike("hashed");
+  options_.overlapping = true;
+  expect_alike("overlapping");
+  options_.anchor = denoise::Anchor::grid;
+  expect_alike("on a grid");
+  options_.layout = denoise::Layout::dense;
+  options_.dense_bins = 16;
+  expect_alike("dense");
+  options_.overlapping = false;
+  for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) worth_.push_back(0.1f + 0.9f * float(i % 7) / 6);
+  options_.covers = 10, options_.surface_share = 0.2f;
+  shape_.part = SplatPart::above, shape_.field_threshold = 0.3f, shape_.prefilter_px = 1;
+  expect_alike("of worth");
+}
 
 // A table that is full grows: the order of the points matters nowhere.
 TEST_F(Table, GrowsUntilTheOrderDoesNotMatter) {

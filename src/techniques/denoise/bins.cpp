@@ -1,8 +1,14 @@
 #include "techniques/denoise/bins.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
 #include "gl/commands.h"
 #include "gl/context.h"
 #include "passes/bindings.h"
+#include "techniques/denoise/bins_cpu.h"
 
 namespace sfumato::denoise {
 namespace {
@@ -19,6 +25,16 @@ void resize(gl::TextureBuffer& buffer, const char* label, GLenum format, std::si
               "denoise with " + std::to_string(words) + " table slots",
               "larger texture buffers; use a smaller --resolution, or fewer dense_bins");
   if (buffer.buffer().bytes() != 4 * words) buffer = gl::TextureBuffer(label, format, 4 * words);
+}
+
+void clear(gl::TextureBuffer& buffer) {
+  if (!SplatCpu::is_used()) {
+    buffer.buffer().clear(0);
+    return;
+  }
+  auto* words = static_cast<std::uint32_t*>(buffer.buffer().memory_to_write());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, buffer.buffer().bytes() / 4, 1 << 16),
+                    [&](const auto& range) { std::fill(words + range.begin(), words + range.end(), 0u); });
 }
 
 /// Of a pixel: what texture buffers hold.
@@ -57,10 +73,10 @@ void BinTable::allocate(const View& view, const BinOptions& options, bool shadow
   slots_ = options.layout == Layout::dense ? options.dense_bins : 1 << options.hash_bits;
   stride_ = shadow ? sums_of_pixel : sums_of_pixel - 1;
   resize(weights_, "bin weights", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(slots_));
-  weights_.buffer().clear(0);
+  clear(weights_);
   if (options.layout == Layout::hashed) {
     resize(keys_, "bin keys", GL_R32UI, pixels * std::size_t(slots_));
-    keys_.buffer().clear(0);
+    clear(keys_);
   } else {
     keys_ = {};
   }
@@ -70,7 +86,7 @@ void BinTable::allocate(const View& view, const BinOptions& options, bool shadow
   first_bin_.clear_uint(0xffffffffu);
   gl::ensure(sink_, "no colour", GL_R8, view.width(), view.height());
   resize(sums_, "bin sums", options.fast ? GL_R32F : GL_R32UI, pixels * std::size_t(stride_));
-  sums_.buffer().clear(0);
+  clear(sums_);
 }
 
 void BinTable::set_uniforms(gl::Program& program, const BinOptions& options, const View& view) const {
@@ -91,6 +107,18 @@ gl::Program& BinTable::small_program(std::map<int, gl::Program>& programs, int k
 void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape,
                            const SplatBatches& batches, const gl::Texture& nearest_t,
                            const BinOptions& options) {
+  if (SplatCpu::is_used()) {
+    const auto words = [](gl::TextureBuffer& buffer) {
+      return buffer ? static_cast<std::uint32_t*>(buffer.buffer().memory_to_write()) : nullptr;
+    };
+    Image<std::uint32_t> first_bin(view.width(), view.height(), 0xffffffffu);
+    const BinCounts counts =
+        denoise::add_weights(cloud, view, shape, batches, nearest_t.download<float>(), options,
+                             {words(weights_), words(keys_), slots_, first_bin});
+    first_bin_.upload(first_bin);
+    counters_.buffer().upload(&counts, sizeof counts);
+    return;
+  }
   SplatRaster& raster = weight_raster_[variant(options)];
   if (!raster) raster = SplatRaster("techniques/denoise/weights.frag", defines(options));
   gl::Framebuffer framebuffer({&sink_});
