@@ -22,8 +22,8 @@ void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::T
   smooth_.run(mask_, {&color, &edges_, &depth}, {&out});
 }
 
-void LastLooks::run(const View& view, const Relief::Options& relief, bool with_smooth_outlines,
-                    gl::Texture& color, const gl::Texture& depth, gl::Timers& timers) {
+void PostProcessing::run(const View& view, const Relief::Options& relief, bool with_smooth_outlines,
+                         gl::Texture& color, const gl::Texture& depth, gl::Timers& timers) {
   if (!relief.any() && !with_smooth_outlines) return;
   if (gl::place_of_work(gl::preferences().finish) == gl::Place::cpu) {
     gl::end_stretch();

@@ -24,7 +24,7 @@ class SmoothOutlines {
 };
 
 /// Relief and smooth outlines in place, by the processor where OpenGL is software.
-class LastLooks {
+class PostProcessing {
  public:
   void run(const View& view, const Relief::Options& relief, bool with_smooth_outlines, gl::Texture& color,
            const gl::Texture& depth, gl::Timers& timers);

@@ -1,5 +1,5 @@
-// The last looks at the depth of a picture by the processor, where OpenGL is software: eye-dome lighting and
-// the ambient occlusion between its squares (relief.glsl), smooth outlines (depth_edges.glsl and
+// Post-processing by the depth of a picture, by the processor, where OpenGL is software: eye-dome lighting
+// and the ambient occlusion between its squares (relief.glsl), smooth outlines (depth_edges.glsl and
 // smooth_outlines.glsl). Same arithmetic, but most pixels, which have neither, are left at the first look.
 #pragma once
 

@@ -167,7 +167,7 @@ struct Renderer::State {
   ShadowMaps shadows;
   GroundPlane ground;
   Merge merge;
-  LastLooks last_looks;
+  PostProcessing post_processing;
   Finish finish;
   ScreenPass add_sample;
   gl::Texture sum, averaged;
@@ -371,7 +371,7 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     std::swap(finish_scratch, target.color);
   }
   shot.relief.spacing = closed_spacing(shot.items), shot.relief.noise = surface_noise(shot.items);
-  last_looks.run(view, shot.relief, shot.with_smooth_outlines, target.color, target.depth, shot.timers);
+  post_processing.run(view, shot.relief, shot.with_smooth_outlines, target.color, target.depth, shot.timers);
 }
 
 Renderer::Renderer(gl::Context& context) : state_(std::make_unique<State>(context)) {}

@@ -46,7 +46,7 @@ class FinishCpuTest : public GlTest {
         depth("depth", GL_R32F, depth_.width(), depth_.height());
     color.upload(color_), depth.upload(depth_);
     gl::Timers timers(false);
-    LastLooks().run(View(camera, dvec3(0)), relief_, outlines_, color, depth, timers);
+    PostProcessing().run(View(camera, dvec3(0)), relief_, outlines_, color, depth, timers);
     return color.download<vec4>();
   }
   /// Sums of weights and powers are rounded elsewhere; a step that is as high as what counts as one may fall
