@@ -23,8 +23,11 @@ std::size_t places_of(const std::vector<vec3>& in_order) {
 
 TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree* tree,
                                  bool by_levels) {
-  const std::size_t points = places_of(prepared.cloud.positions);
-  if (points < few) return {"points", "only " + counted(points, "point"), 1, true};
+  const std::size_t places = places_of(prepared.cloud.positions);
+  if (places < few) {
+    const bool all_apart = places == prepared.cloud.size();
+    return {"points", "only " + counted(places, all_apart ? "point" : "place"), 1, true};
+  }
   const float surface = analysis::surface_share_of(prepared, tree);
   const std::string percent = std::to_string(int(std::lround(100 * surface))) + " %";
   if (surface < analysis::enough_surface)

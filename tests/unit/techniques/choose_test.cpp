@@ -173,3 +173,12 @@ TEST(Choose, IsTheSameForAnyOrderAndScale) {
 }
 
 }  // namespace
+
+// Points that share their places are not said to be fewer than they are.
+TEST(Choose, FewPlacesAreNoFewPoints) {
+  PointCloud cloud;
+  for (int k = 0; k < 4000; ++k) cloud.positions.push_back(vec3(k % 1000, k % 1000 % 7, 0));
+  EXPECT_EQ(choice_for(cloud).reason, "only 1000 places");
+  cloud.positions.resize(1000);
+  EXPECT_EQ(choice_for(std::move(cloud)).reason, "only 1000 points");
+}
