@@ -278,7 +278,10 @@ void SplatCpu::for_each_hit(GpuCloud& cloud, const View& view, const SplatShape&
   };
   std::vector<Range> ranges;
   for_each_range(batches, [&](std::size_t chunk, std::uint32_t first, std::uint32_t count) {
-    ranges.push_back({chunk, first, count});
+    // Near the camera a batch may cover a large picture, and nothing of it is hidden.
+    constexpr std::uint32_t most = 256;
+    for (std::uint32_t k = 0; k < count; k += most)
+      ranges.push_back({chunk, first + k, std::min(most, count - k)});
   });
   gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
   gl::end_stretch();

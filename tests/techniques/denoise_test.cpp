@@ -440,6 +440,13 @@ class Table : public GlTest {
   denoise::BinTable table_;
 };
 
+/// By shaders, and by the loops that fill it where OpenGL is software.
+class TableBy : public Table, public ::testing::WithParamInterface<gl::Place> {
+  const WithPreference<gl::Place> with_{&gl::Preferences::splats, GetParam()};
+};
+INSTANTIATE_TEST_SUITE_P(, TableBy, ::testing::Values(gl::Place::gpu, gl::Place::cpu),
+                         [](const auto& of) { return of.param == gl::Place::gpu ? "gpu" : "cpu"; });
+
 // The loops that fill it where OpenGL is software, against the shaders. No bin counts, so that none is left
 // out.
 TEST_F(Table, IsThatOfShaders) {
@@ -490,7 +497,7 @@ TEST_F(Table, IsThatOfShaders) {
 }
 
 // A table that is full grows: the order of the points matters nowhere.
-TEST_F(Table, GrowsUntilTheOrderDoesNotMatter) {
+TEST_P(TableBy, GrowsUntilTheOrderDoesNotMatter) {
   options_.hash_bits = 2;
   options_.weight_threshold = 2;
   const Camera camera = front_camera(64, 48);
@@ -538,7 +545,7 @@ TEST_F(Table, GrownInASmallPictureServesALargeOne) {
 
 // What lies beyond the dense bins goes to the last one only, though bins overlap: the one before it ends
 // where it ends.
-TEST_F(Table, TheLastDenseBinAloneTakesTheRest) {
+TEST_P(TableBy, TheLastDenseBinAloneTakesTheRest) {
   options_.layout = denoise::Layout::dense;
   options_.dense_bins = 4;
   options_.overlapping = true;
@@ -557,7 +564,7 @@ TEST_F(Table, TheLastDenseBinAloneTakesTheRest) {
 }
 
 // The bin tracked while adding is the nearest one of the finished table.
-TEST_F(Table, TrackedBinIsTheNearestAboveTheThreshold) {
+TEST_P(TableBy, TrackedBinIsTheNearestAboveTheThreshold) {
   const PointCloud cloud = noisy_sphere(2000, 0.05f, 800, 8);
   for (float threshold : {0.0f, 0.2f, 0.5f}) {
     options_.weight_threshold = threshold;
@@ -579,7 +586,7 @@ TEST_F(Table, TrackedBinIsTheNearestAboveTheThreshold) {
   EXPECT_EQ(table_.counts().overflow, 0u);
 }
 
-TEST_F(Table, CoincidentSplatsAddUp) {
+TEST_P(TableBy, CoincidentSplatsAddUp) {
   const Camera camera = straight_camera(21);
   for (int n : {1, 2, 7, 200}) {
     PointCloud cloud;

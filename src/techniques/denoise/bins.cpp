@@ -108,7 +108,7 @@ gl::Program& BinTable::small_program(std::map<int, gl::Program>& programs, int k
 void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape,
                            const SplatBatches& batches, const gl::Texture& nearest_t,
                            const BinOptions& options) {
-  if (SplatCpu::is_used()) {
+  if (SplatCpu::is_used() && !options.fast) {  // sums of the loop are no floats
     const auto words = [](gl::TextureBuffer& buffer) {
       return buffer ? static_cast<std::uint32_t*>(buffer.buffer().memory_to_write()) : nullptr;
     };
