@@ -18,14 +18,9 @@ int band_of(const EvidenceReach& reach) { return 2 * int(std::ceil(reach.between
 const gl::Texture& Evidence::find(GpuCloud& cloud, const Camera& camera, const dvec3& origin,
                                   const EvidenceReach& reach, gl::Timers& timers) {
   auto timing = timers.scope("evidence");
-  if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
-    const View wide(camera.with_guard_band(band_of(reach)), origin);
-    if (const auto* bits = to_pixels_.depth_here(cloud, wide, {SizeMode::pixels, 1})) {
-      gl::ensure(mask_, "evidence", GL_R8, camera.width, camera.height);
-      mask_.upload(evidence_by_rows(*bits, band_of(reach), camera.width, camera.height, reach));
-      return mask_;
-    }
-  }
+  const View wide(camera.with_guard_band(band_of(reach)), origin);
+  if (const auto* here = to_pixels_.depth_here(cloud, wide, {SizeMode::pixels, 1}))
+    return find(*here, camera.width, camera.height, reach);
   const gl::Texture& bits = draw_points(cloud, camera, origin, reach);
   return find(bits, band_of(reach), camera.width, camera.height, reach);
 }
@@ -39,6 +34,11 @@ const gl::Texture& Evidence::draw_points(GpuCloud& cloud, const Camera& camera, 
 
 const gl::Texture& Evidence::find(const Image<std::uint32_t>& depth_bits, int width, int height,
                                   const EvidenceReach& reach) {
+  if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
+    gl::ensure(mask_, "evidence", GL_R8, width, height);
+    mask_.upload(evidence_by_rows(depth_bits, band_of(reach), width, height, reach));
+    return mask_;
+  }
   gl::ensure(bits_, "depth bits", GL_R32UI, depth_bits.width(), depth_bits.height());
   bits_.upload(depth_bits);
   return find(bits_, band_of(reach), width, height, reach);

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "passes/points_to_pixels.h"
-#include "reference/gl_fixture.h"
+#include "reference/strays.h"
 
 using namespace sfumato;
 using namespace sfumato::testing;
@@ -18,14 +18,8 @@ class PointsCpuTest : public GlTest {
   PointsCpuTest() {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> uniform(-1, 1);
-    PointCloud cloud = sphere_cloud(4000, 0.9f);
-    for (int k = 0; k < 3000; ++k) {
-      const vec3 n(uniform(random), uniform(random), uniform(random));
-      cloud.positions.push_back(1.2f * vec3(uniform(random), uniform(random), uniform(random)));
-      if (k % 10 == 0) cloud.positions.back() = cloud.positions[std::size_t(k)];
-      cloud.normals.push_back(k % 50 == 0 ? vec3(0) : glm::normalize(n));
-      cloud.colors.push_back({std::uint8_t(random()), std::uint8_t(random()), std::uint8_t(random()), 255});
-    }
+    PointCloud cloud = sphere_among_strays(random);
+    for (std::size_t k = 0; k < 3000; k += 10) cloud.positions[4000 + k] = cloud.positions[k];
     prepared_ = analysis::prepare(std::move(cloud), {}, {});
     for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) {
       dots_.push_back({0.5f + std::abs(uniform(random)), 0.5f + 0.5f * uniform(random)});

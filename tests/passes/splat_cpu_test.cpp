@@ -3,7 +3,7 @@
 #include <random>
 
 #include "passes/splat_surface.h"
-#include "reference/gl_fixture.h"
+#include "reference/strays.h"
 
 using namespace sfumato;
 using namespace sfumato::testing;
@@ -21,15 +21,9 @@ class SplatCpuTest : public GlTest {
   SplatCpuTest() {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> uniform(-1, 1);
-    PointCloud cloud = sphere_cloud(4000, 0.9f);
-    cloud.radii.assign(cloud.size(), 0.03f);
-    for (int k = 0; k < 3000; ++k) {
-      const vec3 n(uniform(random), uniform(random), uniform(random));
-      cloud.positions.push_back(1.2f * vec3(uniform(random), uniform(random), uniform(random)));
-      cloud.normals.push_back(k % 50 == 0 ? vec3(0) : glm::normalize(n));
-      cloud.colors.push_back({std::uint8_t(random()), std::uint8_t(random()), std::uint8_t(random()), 255});
-      cloud.radii.push_back(0.02f + 0.1f * std::abs(uniform(random)));
-    }
+    PointCloud cloud = sphere_among_strays(random);
+    cloud.radii.assign(4000, 0.03f);
+    while (cloud.radii.size() < cloud.size()) cloud.radii.push_back(0.02f + 0.1f * std::abs(uniform(random)));
     prepared_ = analysis::prepare(std::move(cloud), {}, {});
     for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) {
       prepared_.on_surface.push_back(std::clamp(1.5f * uniform(random), -1.0f, 1.0f));

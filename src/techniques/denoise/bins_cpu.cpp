@@ -74,16 +74,13 @@ struct Table {
 };
 
 /// Of evidence.glsl.
-float worth_of(const SplatCpu::Hits& hits, const View& view, const SplatShape& shape,
+float worth_of(const SplatCpu::Hits& hits, const cpu::Eye& eye, const SplatShape& shape,
                const BinOptions& options) {
   const cpu::Disc& disc = hits.disc;
   float n = options.covers;
   if (shape.prefilter_px > 0) {
-    const Camera& camera = view.camera();
-    const vec3 toward = camera.orthographic() ? vec3(0, 0, 1) : glm::normalize(-disc.center);
-    const float near = 1e-4f * float(camera.far_plane), depth = std::max(-disc.center.z, near);
-    const float pixels = float(camera.pixels_per_unit()) / (camera.orthographic() ? 1 : depth);
-    const float facing = std::max(std::abs(glm::dot(disc.normal, toward)), 0.05f),
+    const float facing = std::max(std::abs(glm::dot(disc.normal, eye.to_camera(disc.center))), 0.05f),
+                pixels = eye.pixels_at(std::max(-disc.center.z, eye.near)),
                 radius_px = disc.radius * pixels / shape.prefilter_px;
     n *= std::max(1.0f, 1 / (radius_px * radius_px * facing));
   }
@@ -95,9 +92,10 @@ float worth_of(const SplatCpu::Hits& hits, const View& view, const SplatShape& s
 BinCounts add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
                       const Image<float>& nearest_t, const BinOptions& options, const BinMemory& into) {
   Table table{options, into, nearest_t};
+  const cpu::Eye eye(view);
   const bool has_worth = options.covers > 0 && shape.part != SplatPart::all;
   SplatCpu::for_each_hit(cloud, view, shape, batches, [&](const SplatCpu::Hits& hits) {
-    const float worth = has_worth ? worth_of(hits, view, shape, options) : 1;
+    const float worth = has_worth ? worth_of(hits, eye, shape, options) : 1;
     const std::size_t row = std::size_t(hits.y) * std::size_t(view.width()) + std::size_t(hits.x);
     for (int k = 0; k < hits.n; ++k) {
       if (!(hits.rho2[k] < 1)) continue;
