@@ -4,7 +4,7 @@
 
 #include "set_parameter.h"
 #include "passes/splat_raster.h"
-#include "techniques/denoise/noise.h"
+#include "techniques/denoise/worth.h"
 
 namespace sfumato::bench {
 namespace {
@@ -141,7 +141,7 @@ Contest::Contest(gl::Context& context)
 
 void Contest::take(PointCloud cloud, const Camera& camera) {
   PreparedCloud prepared = analysis::prepare(std::move(cloud), denoise_->needs(), prepare_);
-  const std::vector<float> support = denoise::splat_support(prepared, no_progress());
+  const std::vector<float>& support = prepared.support;
   std::vector<std::uint32_t> kept;
   for (std::uint32_t i = 0; i < support.size(); ++i)
     if (support[i] > denoise::least_support) kept.push_back(i);

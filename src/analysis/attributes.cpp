@@ -13,6 +13,7 @@
 #include <numbers>
 #include <optional>
 
+#include "analysis/isolation.h"
 #include "analysis/memory.h"
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
@@ -493,12 +494,14 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   const bool uncertainty = needs.has(Attribute::uncertainty) && !had.has(Attribute::uncertainty);
   const bool normals = (uncertainty || needs.has(Attribute::normal)) && !had.has(Attribute::normal);
   const bool radii = (uncertainty || needs.has(Attribute::radius)) && !had.has(Attribute::radius);
-  if (normals || radii || uncertainty) {
-    std::optional<NeighborTree> own;
-    if (!tree) tree = &own.emplace(cloud.positions);
+  const bool support = needs.has(Attribute::support) && prepared.support.empty();
+  std::optional<NeighborTree> own;
+  if (!tree && (normals || radii || uncertainty || support)) tree = &own.emplace(cloud.positions);
+  if (normals || radii || uncertainty)
     Completion(prepared, options, *tree, progress).run(normals, radii, uncertainty);
-  }
+  if (support) prepared.support = support_of(prepared, *tree, progress);
   prepared.available = attributes_of(cloud);
+  if (!prepared.support.empty()) prepared.available = prepared.available | Attribute::support;
   prepared.computed = prepared.computed | prepared.available.without(found);
   if (prepared.available.has(Attribute::radius) && !(prepared.median_radius > 0))
     prepared.median_radius = quantile(cloud.radii, 0.5);

@@ -8,6 +8,7 @@
 #include "analysis/coincident.h"
 #include "analysis/dots.h"
 #include "analysis/given_normals.h"
+#include "analysis/isolation.h"
 #include "analysis/morton.h"
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
@@ -68,12 +69,14 @@ Surroundings surroundings_of(const PointCloud& part, const CloudFacts& whole) {
   const auto around = [&](std::size_t places, std::size_t count) {
     return neighborhoods_of(tree, part.origin, first_places(whole.places, places), count);
   };
-  return {around(CloudFacts::most_places, around_dot_place), around(noise_places, around_noise_place)};
+  return {around(CloudFacts::most_places, around_dot_place), around(noise_places, around_noise_place),
+          neighborhoods_of(tree, part.origin, places_anywhere(whole), around_any_place)};
 }
 
 void merge(Surroundings& into, const Surroundings& of) {
   merge(into.dots, of.dots, around_dot_place);
   merge(into.noise, of.noise, around_noise_place);
+  merge(into.anywhere, of.anywhere, around_any_place);
 }
 
 std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surroundings& around,
@@ -89,6 +92,8 @@ std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surrou
   whole->residual = residual_of(nearest_of(around.noise, around_residual));
   const Discs discs = discs_at(around.dots);
   whole->median_radius = quantile(discs.radii, 0.5), whole->is_rough = need_widening(discs.scatter);
+  whole->large_radius = quantile(discs.radii, 0.95);
+  whole->usual_reach = usual_reach_of(around.dots), whole->empty_reach = empty_reach_of(around.anywhere);
   const std::vector<vec3>& normals = whole->sample.normals;
   whole->has_normals = facts.with_normal == facts.points &&
                        !are_rough(normals, NeighborTree(whole->sample.positions), PrepareOptions().neighbors);
@@ -112,6 +117,7 @@ PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes
   for (std::uint32_t i = 0; i < prepared.cloud.size(); ++i)
     if (prepared.cloud.source_index[i] < count) kept.push_back(i);
   keep_only(prepared.shrunk, kept), keep_only(prepared.on_surface, kept);
+  keep_only(prepared.support, kept);
   prepared.cloud = select(prepared.cloud, kept);
   if (!numbers.empty())
     for (std::uint32_t& number : prepared.cloud.source_index) number = numbers[number];

@@ -16,6 +16,7 @@ namespace sfumato::analysis {
 
 struct Surroundings {
   Neighborhoods dots, noise;  ///< around places of the whole, for what is named so
+  Neighborhoods anywhere;     ///< around places in its box (isolation.h)
   bool operator==(const Surroundings&) const = default;
 };
 

@@ -14,7 +14,7 @@
 namespace sfumato {
 
 /// What a technique may need beyond positions. A bit set.
-enum class Attribute : std::uint32_t { normal = 1, radius = 2, uncertainty = 4, cluster = 8 };
+enum class Attribute : std::uint32_t { normal = 1, radius = 2, uncertainty = 4, cluster = 8, support = 16 };
 
 class Attributes {
  public:
@@ -42,6 +42,7 @@ inline std::vector<std::string> names_of(Attributes attributes) {
   if (attributes.has(Attribute::radius)) names.push_back("radius");
   if (attributes.has(Attribute::uncertainty)) names.push_back("uncertainty");
   if (attributes.has(Attribute::cluster)) names.push_back("cluster");
+  if (attributes.has(Attribute::support)) names.push_back("support");
   return names;
 }
 
@@ -107,10 +108,12 @@ struct WholeCloud {
   std::uint64_t points = 0;
   Bounds box, usual_box;  ///< world; usual: robust_bounds
   float median_spacing = 1, noise = 0;
-  float residual = 0;        ///< scene units: as analysis::plane_residual
-  float median_radius = 0;   ///< of Eq. 20, scene units; 0: there are too few points
-  bool is_rough = false;     ///< computed normals are to be averaged (analysis/wide_normals.h)
-  bool has_normals = false;  ///< which its files brought, and which are used
+  float residual = 0;                      ///< scene units: as analysis::plane_residual
+  float median_radius = 0;                 ///< of Eq. 20, scene units; 0: there are too few points
+  float large_radius = 0;                  ///< which 95 % of them do not exceed
+  float usual_reach = 0, empty_reach = 0;  ///< scene units (analysis/isolation.h)
+  bool is_rough = false;                   ///< computed normals are to be averaged (analysis/wide_normals.h)
+  bool has_normals = false;                ///< which its files brought, and which are used
   PlacedDots dots;
   PlacedSpacing spacing;
   PointCloud sample;
@@ -134,6 +137,9 @@ struct PreparedCloud {
   /// empty: all 1. Negative on a thin sheet that was measured on both sides, where normals face outward: from
   /// behind such a point fills no more than what the other side leaves open.
   std::vector<float> on_surface;
+  /// How far each point lies among others, from 1 to 0, so that it is no outlier (analysis/isolation.h);
+  /// empty: never measured.
+  std::vector<float> support;
   int neighbors = 24;  ///< that computed attributes were measured from
   /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
   MadeOnce<float> surface_share;

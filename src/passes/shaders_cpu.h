@@ -115,6 +115,12 @@ struct Points {
   return glm::dot(cut.up, position) > cut.heights[std::size_t(int(v) * cut.across + int(u))];
 }
 
+/// splat_weight of shaders/splat.glsl (H. Wendland, 1995), of a squared distance from the centre in radii.
+[[gnu::always_inline]] inline float wendland(float rho2) {
+  const float rho = std::sqrt(rho2), rest = 1 - rho;
+  return rest * rest * rest * rest * (4 * rho + 1);
+}
+
 /// What of a splat the pixels ask for.
 struct Disc {
   vec3 center;  // eye

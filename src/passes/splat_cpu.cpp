@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <tuple>
 
 #include "core/color.h"
 #include "core/wide.h"
@@ -170,8 +171,7 @@ vec2 deeper_side(const Image<float>& nearest, int x, int y, float full_step) {
 [[gnu::always_inline]] inline void weigh(const LaneHits& hits, const float* nearest, const SplatBlend& blend,
                                          float epsilon, float* weights) {
   for (int k = 0; k < lanes; ++k) {
-    const float rho = std::sqrt(hits.rho2[k]), rest = 1 - rho;
-    const float weight = blend.opaque ? 1 : rest * rest * rest * rest * (4 * rho + 1);
+    const float weight = blend.opaque ? 1 : wendland(hits.rho2[k]);
     weights[k] = hits.rho2[k] < 1 && counts(hits.t[k], nearest[k], epsilon) ? weight : 0;
   }
   if (blend.kernel == SplatKernel::gaussian && !blend.opaque)
@@ -241,14 +241,30 @@ void for_each_range(const SplatBatches& batches, const Use& use) {
   }
 }
 
+/// Distance of a point from the eye.
+float depth_of(const Points& points, std::uint32_t i, const Eye& eye) {
+  return glm::length(eye.turned(points.positions[i]) + vec3(eye.eye_from_cloud[3]));
+}
+
+/// On all cores, each number when all before it have begun, until `work` returns false.
+template <class Work>
+void in_order(std::size_t count, const Work& work) {
+  std::atomic<std::size_t> next = 0;
+  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
+    for (std::size_t k = next++; k < count; k = next++)
+      if (!work(k)) next = count;
+  });
+}
+
 /// False when `take` wants no more.
 SFUMATO_WIDE bool give_hits(const Points& points, std::uint32_t first, std::uint32_t count, const Eye& eye,
                             const SplatShape& shape, const GpuCloud::Cut& cut,
+                            const std::function<bool(const Disc&)>& wants,
                             const std::function<bool(const SplatCpu::Hits&)>& take) {
   LaneHits hits;
   for (std::uint32_t i = first; i < first + count; ++i) {
     Disc disc = disc_of(points, i, eye, shape, cut);
-    if (!find_pixels(disc, eye, shape.prefilter_px)) continue;
+    if (!find_pixels(disc, eye, shape.prefilter_px) || (wants && !wants(disc))) continue;
     const Caster caster(disc, eye, shape.prefilter_px);
     for (int y = disc.first_y; y <= disc.last_y; ++y)
       for (int x = disc.first_x; x <= disc.last_x; x += lanes) {
@@ -268,31 +284,35 @@ bool SplatCpu::is_used() {
 }
 
 void SplatCpu::for_each_hit(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                            const SplatBatches& batches, const std::function<bool(const Hits&)>& take) {
+                            const SplatBatches& batches, const std::function<bool(const cpu::Disc&)>& wants,
+                            const std::function<bool(const Hits&)>& take) {
   const Eye eye(view);
   std::vector<Points> chunks;
   for (std::size_t c = 0; c < batches.chunks.size(); ++c) chunks.emplace_back(cloud, c, Points::Reads{});
   struct Range {
     std::size_t chunk;
     std::uint32_t first, count;
+    float depth;
   };
   std::vector<Range> ranges;
   for_each_range(batches, [&](std::size_t chunk, std::uint32_t first, std::uint32_t count) {
     // Near the camera a batch may cover a large picture, and nothing of it is hidden.
     constexpr std::uint32_t most = 256;
     for (std::uint32_t k = 0; k < count; k += most)
-      ranges.push_back({chunk, first + k, std::min(most, count - k)});
+      ranges.push_back({chunk, first + k, std::min(most, count - k),
+                        depth_of(chunks[chunk], first + k + std::min(most, count - k) / 2, eye)});
+  });
+  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
+    return std::tuple(a.depth, a.chunk, a.first) < std::tuple(b.depth, b.chunk, b.first);
   });
   gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
   gl::end_stretch();
   gl::finish();
   const Progress& progress = gl::lent_progress();
-  std::atomic<bool> goes_on = true;
-  tbb::parallel_for(std::size_t(0), ranges.size(), [&](std::size_t k) {
-    if (!goes_on) return;
+  in_order(ranges.size(), [&](std::size_t k) {
     progress.check();
     const Range& of = ranges[k];
-    if (!give_hits(chunks[of.chunk], of.first, of.count, eye, shape, cloud.cut(), take)) goes_on = false;
+    return give_hits(chunks[of.chunk], of.first, of.count, eye, shape, cloud.cut(), wants, take);
   });
 }
 
@@ -307,8 +327,7 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
     if (used == kept_.size()) kept_.emplace_back();
     OfBatch& batch = kept_[used++];
     batch.chunk = chunk, batch.first = first, batch.count = count;
-    batch.depth =
-        glm::length(eye.turned(chunks[chunk].positions[first + count / 2]) + vec3(eye.eye_from_cloud[3]));
+    batch.depth = depth_of(chunks[chunk], first + count / 2, eye);
   });
   kept_.resize(used);
   prefilter_px_ = shape.prefilter_px;
@@ -323,14 +342,12 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(kept_[a].depth, a) < std::pair(kept_[b].depth, b);
   });
-  std::atomic<std::size_t> next = 0;
-  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
-    for (std::size_t k = next++; k < used; k = next++) {
-      progress.check();
-      OfBatch& batch = kept_[order[k]];
-      visit(chunks[batch.chunk], batch.first, batch.count, eye, shape, shift, epsilon, cloud.cut(), nearest,
-            batch.discs);
-    }
+  in_order(used, [&](std::size_t k) {
+    progress.check();
+    OfBatch& batch = kept_[order[k]];
+    visit(chunks[batch.chunk], batch.first, batch.count, eye, shape, shift, epsilon, cloud.cut(), nearest,
+          batch.discs);
+    return true;
   });
 }
 

@@ -26,9 +26,12 @@ class SplatCpu {
     const float* t;     ///< distances along the rays
     const float* rho2;  ///< squared distances from its centre in radii, 1 and more where the ray misses
   };
-  /// Gives `take` all hits of `batches`, from several threads, until it returns false.
+  /// Gives `take` all hits of `batches`, about from front to back, from several threads, until it returns
+  /// false. `wants`: whether it
+  /// asks for those of a splat; null: all.
   static void for_each_hit(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                           const SplatBatches& batches, const std::function<bool(const Hits&)>& take);
+                           const SplatBatches& batches, const std::function<bool(const cpu::Disc&)>& wants,
+                           const std::function<bool(const Hits&)>& take);
 
   /// Lowers `nearest` (of the view's size, ray distances) to the nearest hits of `batches`, each moved back
   /// by `shift`, and keeps the splats that reach a pixel no more than `epsilon` behind it.

@@ -31,6 +31,8 @@ void VisiblePoints::add_round(VisiblePoints next) {
   take(colors, next.colors), take(normals, next.normals), take(places, next.places);
   take(nearest, next.nearest), take(vouching, next.vouching);
   take(color_sum, next.color_sum), take(normal_sum, next.normal_sum);
+  take(bins, next.bins), take(bin_sums, next.bin_sums);
+  outliers += next.outliers;
 }
 
 namespace {
@@ -47,6 +49,26 @@ void merge_pixels(Image<T>& into, const Image<T>& of, const Join& join) {
   for (std::size_t i = 0; i < into.size(); ++i) into.data()[i] = join(into.data()[i], of.data()[i]);
 }
 
+/// Both by pixel and number. A sum ends at the largest.
+std::vector<VisiblePoints::Bin> merged_bins(const std::vector<VisiblePoints::Bin>& a,
+                                            const std::vector<VisiblePoints::Bin>& b) {
+  using Bin = VisiblePoints::Bin;
+  const auto place = [](const Bin& bin) { return std::pair(bin.pixel, bin.number); };
+  std::vector<Bin> out(a.size() + b.size());
+  std::ranges::merge(a, b, out.begin(), {}, place, place);
+  std::size_t count = 0;
+  for (const Bin& bin : out) {
+    if (count == 0 || place(out[count - 1]) != place(bin)) {
+      out[count++] = bin;
+      continue;
+    }
+    const std::uint64_t sum = std::uint64_t(out[count - 1].weight) + bin.weight;
+    out[count - 1].weight = std::uint32_t(std::min<std::uint64_t>(sum, 0xffffffffu));
+  }
+  out.resize(count);
+  return out;
+}
+
 }  // namespace
 
 void merge(VisiblePoints& into, const VisiblePoints& of) {
@@ -57,6 +79,11 @@ void merge(VisiblePoints& into, const VisiblePoints& of) {
   merge_pixels(into.vouching, of.vouching, nearer);
   merge_pixels(into.color_sum, of.color_sum, sum);
   merge_pixels(into.normal_sum, of.normal_sum, sum);
+  into.bins = merged_bins(into.bins, of.bins), into.outliers += of.outliers;
+  merge_pixels(into.bin_sums, of.bin_sums, [](VisiblePoints::BinSums a, const VisiblePoints::BinSums& b) {
+    for (std::size_t k = 0; k < a.size(); ++k) a[k] += b[k];
+    return a;
+  });
   require_same_size(into.depth_bits, of.depth_bits), require_same_size(into.places, of.places);
   const vec4 none(0, 0, 0, 1);
   if (into.normals.empty() && !of.normals.empty())

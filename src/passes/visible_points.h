@@ -2,6 +2,7 @@
 // several parts, drawn by different processes, it merges to that of the whole.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -29,6 +30,18 @@ struct VisiblePoints {
   /// Then, of what counts as one surface with that hit: weighted colours and weight, weighted normals and
   /// distances.
   Image<vec4> color_sum{}, normal_sum{};
+
+  /// Of bins along the ray, in the round after that of hits (techniques/denoise): their weights, which add
+  /// up, by pixel and number.
+  struct Bin {
+    std::uint32_t pixel = 0, number = 0, weight = 0;
+  };
+  std::vector<Bin> bins{};
+  /// And in a third round, of what is in the bin that those of all parts choose: sums, whole numbers, modulo
+  /// 2^32.
+  using BinSums = std::array<std::uint32_t, 8>;
+  Image<BinSums> bin_sums{};
+  std::uint64_t outliers = 0;  ///< points of the parts that are left out; said in one of the rounds
 
   /// Of surfaces one behind the other, in a round each (techniques/layers): the points of the rounds before,
   /// from front to back. Those of all parts: nobody merges them again.

@@ -1,7 +1,7 @@
 // Binned splats against the oracle, analytic answers and each other.
 #include "techniques/denoise/bins.h"
 
-#include "techniques/denoise/noise.h"
+#include "techniques/denoise/worth.h"
 
 #include <algorithm>
 #include <map>
@@ -367,6 +367,8 @@ TEST_F(Denoise, ShuffledPointsGiveTheSameBits) {
       std::shuffle(order.begin(), order.end(), std::mt19937(7));
       PreparedCloud shuffled = prepared;
       shuffled.cloud = select(prepared.cloud, order);
+      for (std::size_t i = 0; i < prepared.support.size(); ++i)
+        shuffled.support[i] = prepared.support[order[i]];
       auto picture = [&](const PreparedCloud& cloud) {
         Renderer renderer(context());
         renderer.set_cloud(cloud, colors_of(cloud.cloud));
@@ -414,8 +416,8 @@ class Table : public GlTest {
     surface_.draw_nearest(gpu, view, shape_, batches);
     gl::Texture albedo, depth("depth", GL_R32F, camera.width, camera.height),
         normal("normal", GL_RGBA32F, camera.width, camera.height);
-    table_.draw(gpu, view, shape_, batches, surface_.nearest_t(), options_, false, {albedo, depth, normal},
-                timers);
+    table_.draw({gpu, view, shape_, batches, surface_.nearest_t(), options_, timers}, false,
+                {albedo, depth, normal});
     return table_.choice().download<vec4>();
   }
   /// Weights of a pixel by bin.
@@ -773,8 +775,8 @@ PointCloud walls_of_two_densities() {
 
 // A sparse surface is no crowd of outliers: what counts is how full the space is, not how dense the cloud.
 TEST(DenoiseSupport, IsLocal) {
-  const PreparedCloud prepared = analysis::prepare(walls_of_two_densities(), Attribute::radius, {});
-  const std::vector<float> support = denoise::splat_support(prepared, no_progress());
+  const PreparedCloud prepared = analysis::prepare(walls_of_two_densities(), Attribute::support, {});
+  const std::vector<float>& support = prepared.support;
   std::map<char, std::pair<int, int>> kept;  // by colour: supported, all
   for (std::size_t i = 0; i < support.size(); ++i) {
     const Rgba8 c = prepared.cloud.colors[i];

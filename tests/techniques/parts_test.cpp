@@ -309,6 +309,93 @@ TEST_F(PartsTest, SplatsOfEveryKindAreLikeThoseOfThePictureAtOnce) {
   }
 }
 
+/// A wall before another one, with outliers around both.
+PointCloud walls(float noise, int outliers = 600) {
+  PointCloud cloud;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> any(-1.5f, 1.5f);
+  std::normal_distribution<float> off(0, noise);
+  const auto add = [&](const vec3& place, const Rgba8& color) {
+    cloud.positions.push_back(place), cloud.colors.push_back(color);
+  };
+  for (int i = 0; i < 12'000; ++i) {
+    const vec3 place(any(random), 0.6f + off(random), any(random));
+    add(place, {std::uint8_t(150 + 40 * place.x), 120, 60, 255});
+  }
+  for (int i = 0; i < 8'000; ++i) {
+    const vec3 place(0.5f * any(random), off(random), 0.5f * any(random));
+    add(place, {60, 90, std::uint8_t(150 + 80 * place.z), 255});
+  }
+  for (int i = 0; i < outliers; ++i)
+    add({any(random), -0.1f + 0.3f * any(random), any(random)}, {255, 0, 0, 255});
+  cloud.origin = {5e5, 4e6, 100};
+  return cloud;
+}
+
+TEST_F(PartsTest, DenoisedPartsAreOnePictureLikeThatAtOnce) {
+  name_ = "denoise";
+  // Normals of noise are averaged over groups of points that follow each other on the curve, which in a share
+  // are others: as good, by 2 to 3 degrees different. Of the pixels 14 to 20 % differ by more than one step,
+  // .1 to .2 % by more than 24. Without noise .05 to .13 % do by more than one, .02 % by more than 24.
+  for (const auto& [noise, by_one, by_many] : {std::tuple(0.01f, 0.3, 4e-3), {0.001f, 2.5e-3, 5e-4}}) {
+    const PointCloud cloud = walls(noise);
+    const RenderOutput whole = at_once(cloud);
+    EXPECT_NEAR(double(whole.outliers), 570, 20);
+    std::map<std::size_t, RenderOutput> of_so_many;
+    for (const auto& [name, members] : splits(cloud)) {
+      const RenderOutput parts = by_shares(cloud, members);
+      EXPECT_LT(differing(parts, whole, 1), by_one) << name;
+      EXPECT_LT(differing(parts, whole, 24), by_many) << name;
+      EXPECT_EQ(parts.outliers, whole.outliers) << name;
+      ASSERT_EQ(parts.notes.size(), 1u);
+      EXPECT_EQ(parts.notes, whole.notes);
+      const auto [first, is_first] = of_so_many.try_emplace(members.size(), parts);
+      if (!is_first) expect_same(parts, first->second, name);
+    }
+  }
+}
+
+TEST_F(PartsTest, DenoisedPartsOfEveryKindAreLikeThatAtOnce) {
+  name_ = "denoise";
+  const auto compare = [&](const PointCloud& cloud, const char* parameter, const char* value) {
+    parameters_ = {{"bin_size", "0.06"}, {parameter, value}};
+    const Members members = split(cloud, 3, [](std::uint32_t i) { return i % 3; });
+    EXPECT_LT(differing(by_shares(cloud, members), at_once(cloud), 1), 1.5e-3) << parameter << value;
+  };
+  const PointCloud cloud = walls(0.001f), clean = walls(0.001f, 0);
+  for (const auto& [parameter, value] : {std::pair("bin_size", "0.1"),
+                                         {"bins", "dense"},
+                                         {"hash_bits", "1"},
+                                         {"overlapping", "true"},
+                                         {"anchor", "grid"},
+                                         {"clamp_radius", "false"}})
+    compare(cloud, parameter, value);
+  // Outliers that are drawn have normals like noise: without them.
+  for (const auto& [parameter, value] :
+       {std::pair("miss", "last_bin"), {"prefilter", "false"}, {"weight_threshold", "0.5"}})
+    compare(clean, parameter, value);
+}
+
+TEST_F(PartsTest, NoShareTellsOutliersAlone) {
+  name_ = "denoise";
+  // A wall, and points anywhere beside it, which have nearly a share of their own.
+  PointCloud cloud;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> any(0, 1);
+  for (int i = 0; i < 10'000; ++i) {
+    const vec3 place(any(random), any(random), any(random));
+    cloud.positions.push_back(i < 6000 ? vec3(-place.x, 0, place.z) : 3.0f * place);
+    cloud.colors.push_back({200, 100, 50, 255});
+  }
+  cloud.origin = {5e5, 4e6, 100};
+  const Members members = split(cloud, 2, [](std::uint32_t i) { return i % 2; });
+  parameters_ = {{"clamp_radius", "false"}};  // whoever does not know the whole asks for other evidence
+  const std::uint64_t at_once = this->at_once(cloud).outliers;
+  EXPECT_GT(at_once, 2000u);
+  EXPECT_NEAR(double(by_shares(cloud, members).outliers), double(at_once), 0.02 * double(at_once));
+  EXPECT_LT(by_shares(cloud, members, false).outliers, at_once / 2);
+}
+
 /// One process measures spacings at other places: the median of a hundred differs by 4 % from that of another
 /// hundred. Here .01 % of the pixels differ by more than one step, of pull-push as many, where gaps as wide
 /// as 30 spacings are closed .06 %: at outlines and gaps, which are there or not.

@@ -63,11 +63,13 @@ void Take(Bytes& bytes, CloudFacts& facts) {
 
 Bytes BytesOf(const Surroundings& around) {
   Bytes bytes;
-  put(bytes, around.dots), put(bytes, around.noise);
+  for (const Neighborhoods* each : {&around.dots, &around.noise, &around.anywhere}) put(bytes, *each);
   return bytes;
 }
 
-void Take(Bytes& bytes, Surroundings& around) { take(bytes, around.dots), take(bytes, around.noise); }
+void Take(Bytes& bytes, Surroundings& around) {
+  for (Neighborhoods* each : {&around.dots, &around.noise, &around.anywhere}) take(bytes, *each);
+}
 
 namespace {
 
@@ -121,6 +123,9 @@ Bytes BytesOf(const VisiblePoints& visible) {
   PutPlaces(bytes, visible.vouching, is_there);  // whether, and not how far away
   const auto surface = PutPlaces(bytes, visible.color_sum, [](const vec4& sum) { return sum.w > 0; });
   PutPixels(bytes, visible.color_sum, surface, whole), PutPixels(bytes, visible.normal_sum, surface, whole);
+  bytes.Put(visible.outliers), bytes.PutAll(visible.bins);
+  const auto sums = PutPlaces(bytes, visible.bin_sums, [](const VisiblePoints::BinSums& sum) { return sum[0] > 0; });
+  PutPixels(bytes, visible.bin_sums, sums, whole);
   return bytes;
 }
 
@@ -143,6 +148,8 @@ void Take(Bytes& bytes, VisiblePoints& visible) {
   const Places surface(bytes);
   TakePixels<vec4>(bytes, surface, visible.color_sum, vec4(0), whole);
   TakePixels<vec4>(bytes, surface, visible.normal_sum, vec4(0), whole);
+  bytes.Take(visible.outliers), bytes.TakeAll(visible.bins);
+  TakePixels<VisiblePoints::BinSums>(bytes, Places(bytes), visible.bin_sums, {}, whole);
 }
 
 /// Points of ParaView's data have nothing else.

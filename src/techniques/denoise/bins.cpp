@@ -105,9 +105,9 @@ gl::Program& BinTable::small_program(std::map<int, gl::Program>& programs, int k
   return program;
 }
 
-void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                           const SplatBatches& batches, const gl::Texture& nearest_t,
-                           const BinOptions& options) {
+void BinTable::add_weights(const Hits& hits, const BinOptions& options) {
+  const auto& [cloud, view, shape, batches, nearest_t, asked, timers] = hits;
+  auto timing = timers.scope("weights");
   if (SplatCpu::is_used() && !options.fast) {  // sums of the loop are no floats
     const auto words = [](gl::TextureBuffer& buffer) {
       return buffer ? static_cast<std::uint32_t*>(buffer.buffer().memory_to_write()) : nullptr;
@@ -141,23 +141,29 @@ void BinTable::add_weights(GpuCloud& cloud, const View& view, const SplatShape& 
   finish_atomics();
 }
 
-void BinTable::agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options,
-                     const View& view, float reach) {
+void BinTable::agree(const Hits& hits, const BinOptions& options, float reach) {
+  const View& view = hits.view;
   ScreenPass& agree = agree_[variant(options)];
   if (!agree) agree = ScreenPass("techniques/denoise/agree.glsl", {GL_RGBA32F}, defines(options));
   gl::ensure(agreed_, "agreed bin", GL_RGBA32F, view.width(), view.height());
   set_uniforms(agree.program(), options, view);
   agree.set("peak_bins", options.peak_bins);
-  agree.set("splat_reach", reach).set("reach_least_px", std::max(shape.prefilter_px, 1.0f));
+  agree.set("splat_reach", reach).set("reach_least_px", std::max(hits.shape.prefilter_px, 1.0f));
   bind_after(2, weights_);
   if (keys_) bind_after(3, keys_);
-  agree.run({&nearest_t, &choice_}, {&agreed_});
+  agree.run({&hits.nearest_t, &choice_}, {&agreed_});
   std::swap(choice_, agreed_);
 }
 
-void BinTable::add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape,
-                              const SplatBatches& batches, const gl::Texture& nearest_t,
-                              const BinOptions& options) {
+void BinTable::add_attributes(const Hits& hits, const BinOptions& options) {
+  const auto& [cloud, view, shape, batches, nearest_t, asked, timers] = hits;
+  auto timing = timers.scope("attributes");
+  if (SplatCpu::is_used() && !options.fast) {
+    auto* sums = static_cast<std::uint32_t*>(sums_.buffer().memory_to_write());
+    denoise::add_attributes(cloud, view, shape, batches, nearest_t.download<float>(),
+                            choice_.download<vec4>(), options, {sums, stride_});
+    return;
+  }
   const bool shadow = cloud.has_shadow();
   SplatRaster& raster = attribute_raster_[variant(options) + (shadow ? 8 : 0)];
   if (!raster) {
@@ -205,52 +211,53 @@ bool BinTable::grow(BinOptions& options, const View& view) {
   return true;
 }
 
-void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                    const gl::Texture& nearest_t, const BinOptions& asked, bool show_weight,
-                    const SplatSurfaceTargets& targets, gl::Timers& timers) {
-  const bool shadow = cloud.has_shadow();
+BinOptions BinTable::fill(const Hits& hits, bool shadow, const std::function<void(const BinOptions&)>& add) {
+  const BinOptions& asked = hits.options;
   BinOptions options = asked;
   if (asked_bits_ != asked.hash_bits) asked_bits_ = grown_bits_ = asked.hash_bits;
   options.hash_bits = grown_bits_;  // an orbit grows once
   // A small picture may have grown it beyond what a large one has room for.
-  while (options.hash_bits > asked.hash_bits && (std::size_t(1) << options.hash_bits) > most_slots(view))
+  while (options.hash_bits > asked.hash_bits && (std::size_t(1) << options.hash_bits) > most_slots(hits.view))
     --options.hash_bits;
   do {
     {
-      auto timing = timers.scope("clear bins");
-      allocate(view, options, shadow);
+      auto timing = hits.timers.scope("clear bins");
+      allocate(hits.view, options, shadow);
     }
-    auto timing = timers.scope("weights");
-    add_weights(cloud, view, shape, batches, nearest_t, options);
-  } while (grow(options, view));
+    add(options);
+  } while (grow(options, hits.view));
+  return options;
+}
+
+void BinTable::choose(const Hits& hits, const BinOptions& options) {
+  const View& view = hits.view;
   view.bind();
-  {
-    auto timing = timers.scope("choose");
-    gl::ensure(choice_, "chosen bin", GL_RGBA32F, view.width(), view.height());
-    ScreenPass& choose = choose_[variant(options)];
-    if (!choose) choose = ScreenPass("techniques/denoise/choose.glsl", {GL_RGBA32F}, defines(options));
-    set_uniforms(choose.program(), options, view);
-    choose.set("peak_share", options.peak_share).set("peak_bins", options.peak_bins);
-    choose.set("heaviest_bin", options.heaviest_bin).set("last_bin", options.miss == Miss::last_bin);
-    bind_after(2, weights_);
-    if (keys_) bind_after(3, keys_);
-    choose.run({&nearest_t, &first_bin_}, {&choice_});
-    for (int round = 0; round < options.agree_rounds; ++round)
-      agree(shape, nearest_t, options, view, options.splat_reach);
-    if (options.wide_reach > 0) agree(shape, nearest_t, options, view, options.wide_reach);
-    if (!farthest_) farthest_ = ScreenPass("techniques/denoise/farthest.glsl", {GL_R32F});
-    gl::ensure(farthest_end_, "farthest end of a bin", GL_R32F, (view.width() + 7) / 8,
-               (view.height() + 7) / 8);
-    farthest_.run({&choice_}, {&farthest_end_});
-    view.bind();
-  }
-  {
-    auto timing = timers.scope("attributes");
-    add_attributes(cloud, view, shape, batches, nearest_t, options);
-  }
-  auto timing = timers.scope("resolve");
+  auto timing = hits.timers.scope("choose");
+  gl::ensure(choice_, "chosen bin", GL_RGBA32F, view.width(), view.height());
+  ScreenPass& choose = choose_[variant(options)];
+  if (!choose) choose = ScreenPass("techniques/denoise/choose.glsl", {GL_RGBA32F}, defines(options));
+  set_uniforms(choose.program(), options, view);
+  choose.set("peak_share", options.peak_share).set("peak_bins", options.peak_bins);
+  choose.set("heaviest_bin", options.heaviest_bin).set("last_bin", options.miss == Miss::last_bin);
+  bind_after(2, weights_);
+  if (keys_) bind_after(3, keys_);
+  choose.run({&hits.nearest_t, &first_bin_}, {&choice_});
+  for (int round = 0; round < options.agree_rounds; ++round) agree(hits, options, options.splat_reach);
+  if (options.wide_reach > 0) agree(hits, options, options.wide_reach);
+  if (!farthest_) farthest_ = ScreenPass("techniques/denoise/farthest.glsl", {GL_R32F});
+  gl::ensure(farthest_end_, "farthest end of a bin", GL_R32F, (view.width() + 7) / 8,
+             (view.height() + 7) / 8);
+  farthest_.run({&choice_}, {&farthest_end_});
+  view.bind();
+}
+
+void BinTable::resolve(const Hits& hits, const BinOptions& options, bool show_weight,
+                       const SplatSurfaceTargets& targets) {
+  const View& view = hits.view;
+  auto timing = hits.timers.scope("resolve");
   view.bind();
   gl::ensure(targets.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
+  const bool shadow = stride_ == sums_of_pixel;
   ScreenPass& resolve = resolve_[variant(options) + (shadow ? 8 : 0)];
   if (!resolve) {
     gl::Defines list = defines(options);
@@ -261,7 +268,65 @@ void BinTable::draw(GpuCloud& cloud, const View& view, const SplatShape& shape, 
   resolve.set("show_weight", show_weight);
   resolve.set("sum_stride", stride_);
   bind_after(2, sums_);
-  resolve.run({&nearest_t, &choice_}, {&targets.albedo, &targets.depth, &targets.normal});
+  resolve.run({&hits.nearest_t, &choice_}, {&targets.albedo, &targets.depth, &targets.normal});
+}
+
+void BinTable::draw(const Hits& hits, bool show_weight, const SplatSurfaceTargets& targets) {
+  const BinOptions options =
+      fill(hits, hits.cloud.has_shadow(), [&](const BinOptions& table) { add_weights(hits, table); });
+  choose(hits, options);
+  add_attributes(hits, options);
+  resolve(hits, options, show_weight, targets);
+}
+
+std::vector<VisiblePoints::Bin> BinTable::bins_of(const Hits& hits) {
+  fill(hits, false, [&](const BinOptions& table) { add_weights(hits, table); });
+  std::vector<std::uint32_t> weights(weights_.buffer().bytes() / 4), keys(keys_.buffer().bytes() / 4);
+  weights_.buffer().download(weights.data(), weights_.buffer().bytes());
+  if (keys_) keys_.buffer().download(keys.data(), keys_.buffer().bytes());
+  std::vector<VisiblePoints::Bin> bins;
+  for (std::size_t at = 0; at < weights.size(); at += std::size_t(slots_)) {
+    const std::size_t first = bins.size();
+    for (std::uint32_t slot = 0; slot < std::uint32_t(slots_); ++slot)
+      if (weights[at + slot] > 0)
+        bins.push_back({std::uint32_t(at / std::size_t(slots_)), keys_ ? keys[at + slot] - 1 : slot,
+                        weights[at + slot]});
+    std::sort(bins.begin() + std::ptrdiff_t(first), bins.end(),
+              [](const auto& a, const auto& b) { return a.number < b.number; });
+  }
+  return bins;
+}
+
+BinOptions BinTable::fill_from(const Hits& hits, const std::vector<VisiblePoints::Bin>& bins) {
+  return fill(hits, false, [&](const BinOptions& options) {
+    std::vector<std::uint32_t> weights(weights_.buffer().bytes() / 4), keys(keys_.buffer().bytes() / 4);
+    Image<std::uint32_t> first_bin(hits.view.width(), hits.view.height(), 0xffffffffu);
+    const BinCounts counts =
+        add_bins(bins, options, {weights.data(), keys_ ? keys.data() : nullptr, slots_, first_bin});
+    weights_.buffer().upload(weights.data(), weights_.buffer().bytes());
+    if (keys_) keys_.buffer().upload(keys.data(), keys_.buffer().bytes());
+    first_bin_.upload(first_bin);
+    counters_.buffer().upload(&counts, sizeof counts);
+  });
+}
+
+Image<VisiblePoints::BinSums> BinTable::sums_of(const Hits& hits,
+                                                const std::vector<VisiblePoints::Bin>& of_all) {
+  const BinOptions options = fill_from(hits, of_all);
+  choose(hits, options);
+  add_attributes(hits, options);
+  Image<VisiblePoints::BinSums> sums(hits.view.width(), hits.view.height());
+  sums_.buffer().download(sums.data(), sums_.buffer().bytes());
+  return sums;
+}
+
+void BinTable::show(const Hits& hits, const std::vector<VisiblePoints::Bin>& of_all,
+                    const Image<VisiblePoints::BinSums>& sums, bool show_weight,
+                    const SplatSurfaceTargets& targets) {
+  const BinOptions options = fill_from(hits, of_all);
+  choose(hits, options);
+  if (!sums.empty()) sums_.buffer().upload(sums.data(), sums_.buffer().bytes());
+  resolve(hits, options, show_weight, targets);
 }
 
 BinCounts BinTable::counts() const {

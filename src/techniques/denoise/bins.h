@@ -10,7 +10,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <vector>
 
 #include "gl/program.h"
 #include "gl/texture.h"
@@ -18,6 +20,7 @@
 #include "passes/screen_pass.h"
 #include "passes/splat_surface.h"
 #include "passes/splat_visit.h"
+#include "passes/visible_points.h"
 
 namespace sfumato::denoise {
 
@@ -59,12 +62,26 @@ struct BinCounts {
 
 class BinTable {
  public:
+  /// What is sorted into bins. `nearest_t` must hold the nearest distances of the same view and shape.
+  struct Hits {
+    GpuCloud& cloud;
+    const View& view;
+    const SplatShape& shape;
+    const SplatBatches& batches;
+    const gl::Texture& nearest_t;
+    const BinOptions& options;
+    gl::Timers& timers;
+  };
   /// Fills the targets. A hash table that is full grows, and what does not fit the memory becomes dense bins:
-  /// the picture never depends on the order of the points. `nearest` must hold the nearest distances of the
-  /// same view and shape.
-  void draw(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-            const gl::Texture& nearest_t, const BinOptions& options, bool show_weight,
-            const SplatSurfaceTargets& targets, gl::Timers& timers);
+  /// the picture never depends on the order of the points.
+  void draw(const Hits& hits, bool show_weight, const SplatSurfaceTargets& targets);
+  /// Its three steps, for splats that lie in parts, whose `nearest_t` is that of all parts: the bins of
+  /// these, the sums of what is in the bins that those of all parts choose, and the targets from the sums of
+  /// all. Not fast, and without shadows.
+  std::vector<VisiblePoints::Bin> bins_of(const Hits& hits);
+  Image<VisiblePoints::BinSums> sums_of(const Hits& hits, const std::vector<VisiblePoints::Bin>& of_all);
+  void show(const Hits& hits, const std::vector<VisiblePoints::Bin>& of_all,
+            const Image<VisiblePoints::BinSums>& sums, bool show_weight, const SplatSurfaceTargets& targets);
 
   /// Of the last draw; waits for it.
   BinCounts counts() const;
@@ -82,13 +99,17 @@ class BinTable {
  private:
   void allocate(const View& view, const BinOptions& options, bool shadow);
   void set_uniforms(gl::Program& program, const BinOptions& options, const View& view) const;
-  void add_weights(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                   const gl::Texture& nearest_t, const BinOptions& options);
-  void add_attributes(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBatches& batches,
-                      const gl::Texture& nearest_t, const BinOptions& options);
+  /// A table in which all that `add` adds found room: as large as its options say.
+  BinOptions fill(const Hits& hits, bool shadow, const std::function<void(const BinOptions&)>& add);
+  BinOptions fill_from(const Hits& hits, const std::vector<VisiblePoints::Bin>& bins);
   bool grow(BinOptions& options, const View& view);
-  void agree(const SplatShape& shape, const gl::Texture& nearest_t, const BinOptions& options,
-             const View& view, float reach);
+  // With the options of the table.
+  void add_weights(const Hits& hits, const BinOptions& options);
+  void choose(const Hits& hits, const BinOptions& options);
+  void agree(const Hits& hits, const BinOptions& options, float reach);
+  void add_attributes(const Hits& hits, const BinOptions& options);
+  void resolve(const Hits& hits, const BinOptions& options, bool show_weight,
+               const SplatSurfaceTargets& targets);
   gl::Defines defines(const BinOptions& options) const;
   gl::Program& small_program(std::map<int, gl::Program>& programs, int key, const char* file,
                              gl::Defines list, const SplatShape& shape) const;

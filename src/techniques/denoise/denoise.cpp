@@ -22,7 +22,7 @@
 #include "passes/shade.h"
 #include "techniques/casters.h"
 #include "techniques/denoise/bins.h"
-#include "techniques/denoise/noise.h"
+#include "techniques/denoise/worth.h"
 #include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
 
@@ -120,7 +120,12 @@ class Denoise final : public Technique {
     return {{"antialias", "false"}, {"bins", "dense"}, {"dense_bins", "16"}};
   }
 
-  Attributes needs() const override { return Attribute::normal | Attribute::radius; }
+  Attributes needs() const override {
+    const Attributes disc = Attribute::normal | Attribute::radius;
+    return shows_all() ? disc : disc | Attribute::support;
+  }
+  bool merges() const override { return !shows_all(); }
+  int rounds() const override { return 3; }
 
   bool shows(Shading shading) const override {
     return shading < Shading::occlusion || shading == Shading::weight;
@@ -128,10 +133,10 @@ class Denoise final : public Technique {
 
   /// What is removed casts no shadow: points that are not enough evidence for a surface. `weight_threshold` 0
   /// shows them all.
-  std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud& cloud, Progress& progress) override {
+  std::shared_ptr<const GpuCloud::Casters> casters(const GpuCloud& cloud, Progress&) override {
     if (shows_all()) return nullptr;
     return casters_.at(cloud.serial(), [&] {
-      std::vector<float> opacity = denoise::splat_support(cloud.prepared(), progress);
+      std::vector<float> opacity = cloud.prepared().support;
       for (float& each : opacity) each = each < least_support ? 0 : 1;
       return make_casters(cloud, opacity);
     });
@@ -143,7 +148,7 @@ class Denoise final : public Technique {
     if (!(radius < INFINITY)) radius = cloud.median_spacing();
     const float limit = parameters_.clamp_radius ? cloud.radius_limit() : INFINITY;
     const bool measured = is_measured(cloud) && measured_->radius_limit == limit;
-    const float wide = measured ? wide_disc_ : wide_disc(cloud.prepared().cloud.radii, radius, limit);
+    const float wide = measured ? wide_disc_ : wide_disc(cloud.prepared(), limit);
     const float rounds = 2.0f * agree_rounds * radius + 2 * wide;
     const double reach = double(rounds) * parameters_.radius_scale;
     return 4 + nearest_px(cloud, camera, [&](const Batch&) { return reach; });
@@ -163,7 +168,8 @@ class Denoise final : public Technique {
     if (parameters_.clamp_radius) shape.radius_limit = frame.cloud.radius_limit();
     const bool prefilter = parameters_.prefilter.resolve(automatic());
     outliers_ = 0;
-    measure(frame.cloud, shape.radius_limit, prefilter, frame.progress);
+    const PreparedCloud& prepared = frame.cloud.prepared();
+    measure(frame.cloud, shape.radius_limit, prefilter);
     if (parameters_.clamp_radius) shape.widest_px = spacings_.widest_disc_px(frame);
     shape.dots = parameters_.clamp_radius && shows_all();  // as splats
     if (parameters_.antialias) shape.prefilter_px = 1;
@@ -173,11 +179,12 @@ class Denoise final : public Technique {
       shape.field_threshold = parameters_.miss == Miss::background ? least : 0;
       outliers_ = outliers_of_.at({*measured_, shape.field_threshold}, [&] {
         const std::vector<float> worth =
-            denoise::splat_worth(frame.cloud.prepared(), support_, least_support, shape.radius_limit);
+            denoise::splat_worth(prepared, prepared.support, least_support, shape.radius_limit);
         return std::uint64_t(std::count_if(worth.begin(), worth.end(),
                                            [&](float each) { return !(each > shape.field_threshold); }));
       });
     }
+    points_ = prepared.whole ? prepared.whole->points : prepared.cloud.size();
     const denoise::BinOptions options = choose_options(frame, shape);
     if (shows_all() && options.anchor == Anchor::nearest && !options.overlapping &&
         frame.settings.shading != Shading::weight) {
@@ -190,13 +197,27 @@ class Denoise final : public Technique {
 
     shape.behind = far_side_bins * options.bin_size;
     const SplatBatches batches = choose_batches(frame.cloud, view, shape);
-    {
+    if (frame.merged) {
+      gl::ensure(surface_.nearest_t(), "nearest ray distance", GL_R32F, view.width(), view.height());
+      surface_.nearest_t().upload(frame.merged->nearest);
+    } else {
       auto timing = frame.timers.scope("nearest");  // t_min
       surface_.draw_nearest(frame.cloud, view, shape, batches);
     }
+    const denoise::BinTable::Hits hits{frame.cloud,          view,    shape,       batches,
+                                       surface_.nearest_t(), options, frame.timers};
+    if (frame.visible) {
+      show_part(frame, hits);
+      return true;
+    }
+    const SplatSurfaceTargets targets{albedo_, frame.target.depth, frame.target.normal};
     const bool show_weight = frame.settings.shading == Shading::weight;
-    bins_.draw(frame.cloud, view, shape, batches, surface_.nearest_t(), options, show_weight,
-               {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+    if (frame.merged) {
+      outliers_ = frame.merged->outliers;
+      bins_.show(hits, frame.merged->bins, frame.merged->bin_sums, show_weight, targets);
+    } else {
+      bins_.draw(hits, show_weight, targets);
+    }
     shade(frame, view);
     return true;
   }
@@ -205,9 +226,9 @@ class Denoise final : public Technique {
     std::vector<std::string> lines;
     if (outliers_ > 0) {
       char share[32];
-      std::snprintf(share, sizeof share, "%.2g", 100.0 * double(outliers_) / double(support_.size()));
-      lines.push_back(std::to_string(outliers_) + " of " + std::to_string(support_.size()) + " points (" +
-                      share + " %) are left out as outliers; --prefilter false draws them");
+      std::snprintf(share, sizeof share, "%.2g", 100.0 * double(outliers_) / double(points_));
+      lines.push_back(std::to_string(outliers_) + " of " + std::to_string(points_) + " points (" + share +
+                      " %) are left out as outliers; --prefilter false draws them");
     }
     const denoise::BinCounts counts = bins_.counts();
     if (counts.saturated)
@@ -226,6 +247,22 @@ class Denoise final : public Technique {
     return p.weight_threshold.is_auto() ? p.strictness == 0 : p.weight_threshold.value() == 0;
   }
 
+  /// The nearest hits of this part, what its hits add to the bins behind those of all parts, and what is in
+  /// those that are chosen.
+  void show_part(Frame& frame, const denoise::BinTable::Hits& hits) {
+    VisiblePoints& visible = *frame.visible;
+    if (!frame.merged) {
+      visible.outliers = outliers_;
+      visible.nearest = surface_.nearest_t().download<float>();
+      if (parameters_.clamp_radius)
+        visible.vouching = evidence_.points(frame, frame.camera, spacings_, parameters_.radius_scale);
+    } else if (frame.merged->bins.empty()) {
+      visible.bins = bins_.bins_of(hits);
+    } else {
+      visible.bin_sums = bins_.sums_of(hits, frame.merged->bins);
+    }
+  }
+
   void shade(Frame& frame, const View& view) {
     if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, parameters_.radius_scale, albedo_);
     auto timing = frame.timers.scope("shade");
@@ -233,32 +270,33 @@ class Denoise final : public Technique {
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
   }
 
-  /// Radius of the larger discs as they are drawn, scene units; 0 where they are hardly larger than `usual`.
-  static float wide_disc(std::vector<float> radii, float usual, float limit) {
-    if (radii.empty()) return 0;
+  /// Radius of the larger discs as they are drawn, scene units; 0 where they are hardly larger than usual.
+  static float wide_disc(const PreparedCloud& prepared, float limit) {
+    std::vector<float> radii = prepared.cloud.radii;
     for (float& each : radii) each = std::min(each, limit);
-    const float large = analysis::quantile(radii, large_share);
-    return large > uneven * std::min(usual, limit) ? large : 0;
+    const WholeCloud* whole = prepared.whole.get();
+    const float large = whole           ? std::min(whole->large_radius, limit)
+                        : radii.empty() ? 0
+                                        : analysis::quantile(radii, large_share);
+    return large > uneven * std::min(prepared.median_radius, limit) ? large : 0;
   }
 
   bool is_measured(const GpuCloud& cloud) const { return measured_ && measured_->serial == cloud.serial(); }
 
   /// Measures a cloud that was not seen before. `radius_limit`: scene units, infinite for none.
-  void measure(GpuCloud& cloud, float radius_limit, bool prefilter, Progress& progress) {
+  void measure(GpuCloud& cloud, float radius_limit, bool prefilter) {
     const PreparedCloud& prepared = cloud.prepared();
     const Measured asked{cloud.serial(), radius_limit, prefilter};
     if (measured_ == asked) return cloud.set_field(worth_);
-    if (!is_measured(cloud)) {
-      residual_ = analysis::plane_residual(prepared.cloud.positions);
-      support_.clear();
-    }
-    measured_.reset();  // nothing is kept when the user stops what follows
-    if (prefilter && support_.empty()) support_ = denoise::splat_support(prepared, progress);
+    if (!is_measured(cloud))
+      residual_ =
+          prepared.whole ? prepared.whole->residual : analysis::plane_residual(prepared.cloud.positions);
     const std::vector<float> all_alike(prefilter ? 0 : prepared.cloud.size(), 1.0f);
-    worth_ = cloud.make_values("worth", denoise::splat_worth(prepared, prefilter ? support_ : all_alike,
-                                                             least_support, radius_limit));
+    worth_ =
+        cloud.make_values("worth", denoise::splat_worth(prepared, prefilter ? prepared.support : all_alike,
+                                                        least_support, radius_limit));
     cloud.set_field(worth_);
-    wide_disc_ = wide_disc(prepared.cloud.radii, prepared.median_radius, radius_limit);
+    wide_disc_ = wide_disc(prepared, radius_limit);
     measured_ = asked;
   }
 
@@ -270,7 +308,8 @@ class Denoise final : public Technique {
     options.overlapping = parameters_.overlapping;
     options.anchor = parameters_.anchor;
     options.miss = parameters_.miss;
-    options.fast = frame.settings.fast && gl::limits().float_atomics;
+    // Sums of parts add up in any order.
+    options.fast = frame.settings.fast && gl::limits().float_atomics && !frame.visible && !frame.merged;
     // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings, or two pixels
     // where those are larger, would split what is tilted.
     const float pixel = spacings_.measure(frame.cloud, frame.views).pixel;
@@ -303,8 +342,7 @@ class Denoise final : public Technique {
   std::optional<Measured> measured_;  ///< what the following belongs to
   std::shared_ptr<const GpuCloud::Values> worth_;
   float residual_ = 0, wide_disc_ = 0;
-  std::vector<float> support_;
-  std::uint64_t outliers_ = 0;  ///< of the last picture
+  std::uint64_t outliers_ = 0, points_ = 0;  ///< of the last picture
   struct Rejection {
     Measured cloud;
     float least;
