@@ -31,6 +31,7 @@ void VisiblePoints::add_round(VisiblePoints next) {
   take(colors, next.colors), take(normals, next.normals), take(places, next.places);
   take(nearest, next.nearest), take(vouching, next.vouching);
   take(color_sum, next.color_sum), take(normal_sum, next.normal_sum);
+  if (!next.bins.empty()) bins_serial = serial;
   take(bins, next.bins), take(bin_sums, next.bin_sums);
   outliers += next.outliers;
 }
@@ -74,7 +75,7 @@ std::vector<VisiblePoints::Bin> merged_bins(const std::vector<VisiblePoints::Bin
 void merge(VisiblePoints& into, const VisiblePoints& of) {
   const auto nearer = [](auto a, auto b) { return std::min(a, b); };
   const auto sum = [](const vec4& a, const vec4& b) { return a + b; };
-  into.serial = 0;
+  into.serial = into.bins_serial = 0;
   merge_pixels(into.nearest, of.nearest, nearer);
   merge_pixels(into.vouching, of.vouching, nearer);
   merge_pixels(into.color_sum, of.color_sum, sum);

@@ -37,6 +37,7 @@ struct VisiblePoints {
     std::uint32_t pixel = 0, number = 0, weight = 0;
   };
   std::vector<Bin> bins{};
+  std::uint64_t bins_serial = 0;  ///< names them, as `serial` does; 0: nobody has added that round
   /// And in a third round, of what is in the bin that those of all parts choose: sums, whole numbers, modulo
   /// 2^32.
   using BinSums = std::array<std::uint32_t, 8>;

@@ -414,10 +414,9 @@ class Table : public GlTest {
     const SplatBatches batches = choose_batches(gpu, view, shape_);
     gl::Timers timers(false);
     surface_.draw_nearest(gpu, view, shape_, batches);
-    gl::Texture albedo, depth("depth", GL_R32F, camera.width, camera.height),
-        normal("normal", GL_RGBA32F, camera.width, camera.height);
+    target_ = Target(camera.width, camera.height);
     table_.draw({gpu, view, shape_, batches, surface_.nearest_t(), options_, timers}, false,
-                {albedo, depth, normal});
+                {target_.color, target_.depth, target_.normal});
     return table_.choice().download<vec4>();
   }
   /// Weights of a pixel by bin.
@@ -440,6 +439,7 @@ class Table : public GlTest {
   std::vector<float> worth_;  ///< of the points, as a field
   SplatSurface surface_;
   denoise::BinTable table_;
+  Target target_;
 };
 
 /// By shaders, and by the loops that fill it where OpenGL is software.
@@ -496,6 +496,52 @@ TEST_F(Table, IsThatOfShaders) {
   options_.covers = 10, options_.surface_share = 0.2f;
   shape_.part = SplatPart::above, shape_.field_threshold = 0.3f, shape_.prefilter_px = 1;
   expect_alike("of worth");
+}
+
+// What is in the chosen bins likewise. A hit on a border falls to either side, and with a few others in its
+// pixel it moves their mean: one pixel in a hundred may differ by more than roundings.
+TEST_F(Table, SumsAreThoseOfShaders) {
+  prepared_ =
+      analysis::prepare(noisy_sphere(3000, 0.05f, 1500, 4), Attribute::normal | Attribute::radius, {});
+  const auto expect_alike = [&](const char* which) {
+    std::vector<vec4> seen[2];
+    for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
+      const WithPreference<gl::Place> with(&gl::Preferences::splats, place);
+      const Image<vec4> chosen = choose(front_camera(64, 48)), albedo = target_.color.download<vec4>(),
+                        normal = target_.normal.download<vec4>();
+      const Image<float> depth = target_.depth.download<float>();
+      std::size_t holes = 0;
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        const bool is_there = albedo.data()[i].a > 0;
+        holes += is_there != (chosen.data()[i].x >= 0);
+        seen[place == gl::Place::cpu].push_back(albedo.data()[i]);
+        seen[place == gl::Place::cpu].push_back(vec4(vec3(normal.data()[i]), is_there ? depth.data()[i] : 0));
+      }
+      EXPECT_EQ(holes, 0u) << which;
+    }
+    std::size_t differ = 0, shown = 0;
+    for (std::size_t i = 0; i < seen[0].size(); ++i) {
+      shown += seen[0][i] != vec4(0);
+      differ += glm::length(seen[0][i] - seen[1][i]) > 1e-4f;
+    }
+    EXPECT_GT(shown, 1500u) << which;
+    EXPECT_LE(differ, shown / 100) << which;
+  };
+  expect_alike("hashed");
+  options_.overlapping = true;
+  expect_alike("overlapping");
+  options_.anchor = denoise::Anchor::grid;
+  expect_alike("on a grid");
+  options_.layout = denoise::Layout::dense;
+  options_.dense_bins = 16;
+  expect_alike("dense");
+  options_.overlapping = false;
+  for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) worth_.push_back(0.1f + 0.9f * float(i % 7) / 6);
+  options_.covers = 10, options_.surface_share = 0.2f;
+  shape_.part = SplatPart::above, shape_.field_threshold = 0.3f, shape_.prefilter_px = 1;
+  expect_alike("of worth");
+  prepared_.cloud.normals.assign(prepared_.cloud.size(), vec3(0));
+  expect_alike("without normals");
 }
 
 // A table that is full grows: the order of the points matters nowhere.

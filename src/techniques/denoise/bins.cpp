@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "gl/commands.h"
 #include "gl/context.h"
@@ -37,6 +38,29 @@ void clear(gl::TextureBuffer& buffer) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, buffer.buffer().bytes() / 4, 1 << 16),
                     [&](const auto& range) { std::fill(words + range.begin(), words + range.end(), 0u); });
 }
+
+/// The words of a buffer that has been cleared: its own where loops write them, else a copy. Null: there is
+/// none.
+struct Words {
+  explicit Words(gl::TextureBuffer& of) : buffer(of) {
+    if (!buffer) return;
+    if (SplatCpu::is_used()) {
+      all = static_cast<std::uint32_t*>(buffer.buffer().memory_to_write());
+    } else {
+      copy.resize(buffer.buffer().bytes() / sizeof(std::uint32_t));
+      all = copy.data();
+    }
+  }
+  void read() {
+    if (!copy.empty()) buffer.buffer().download(all, buffer.buffer().bytes());
+  }
+  void write() {
+    if (!copy.empty()) buffer.buffer().upload(all, buffer.buffer().bytes());
+  }
+  gl::TextureBuffer& buffer;
+  std::vector<std::uint32_t> copy;
+  std::uint32_t* all = nullptr;
+};
 
 /// Of a pixel: what texture buffers hold.
 std::size_t most_slots(const View& view) {
@@ -109,13 +133,10 @@ void BinTable::add_weights(const Hits& hits, const BinOptions& options) {
   const auto& [cloud, view, shape, batches, nearest_t, asked, timers] = hits;
   auto timing = timers.scope("weights");
   if (SplatCpu::is_used() && !options.fast) {  // sums of the loop are no floats
-    const auto words = [](gl::TextureBuffer& buffer) {
-      return buffer ? static_cast<std::uint32_t*>(buffer.buffer().memory_to_write()) : nullptr;
-    };
     Image<std::uint32_t> first_bin(view.width(), view.height(), 0xffffffffu);
     const BinCounts counts =
         denoise::add_weights(cloud, view, shape, batches, nearest_t.download<float>(), options,
-                             {words(weights_), words(keys_), slots_, first_bin});
+                             {Words(weights_).all, Words(keys_).all, slots_, first_bin});
     first_bin_.upload(first_bin);
     counters_.buffer().upload(&counts, sizeof counts);
     return;
@@ -159,9 +180,8 @@ void BinTable::add_attributes(const Hits& hits, const BinOptions& options) {
   const auto& [cloud, view, shape, batches, nearest_t, asked, timers] = hits;
   auto timing = timers.scope("attributes");
   if (SplatCpu::is_used() && !options.fast) {
-    auto* sums = static_cast<std::uint32_t*>(sums_.buffer().memory_to_write());
     denoise::add_attributes(cloud, view, shape, batches, nearest_t.download<float>(),
-                            choice_.download<vec4>(), options, {sums, stride_});
+                            choice_.download<vec4>(), options, {Words(sums_).all, stride_});
     return;
   }
   const bool shadow = cloud.has_shadow();
@@ -214,6 +234,7 @@ bool BinTable::grow(BinOptions& options, const View& view) {
 BinOptions BinTable::fill(const Hits& hits, bool shadow, const std::function<void(const BinOptions&)>& add) {
   const BinOptions& asked = hits.options;
   BinOptions options = asked;
+  chosen_ = 0;
   if (asked_bits_ != asked.hash_bits) asked_bits_ = grown_bits_ = asked.hash_bits;
   options.hash_bits = grown_bits_;  // an orbit grows once
   // A small picture may have grown it beyond what a large one has room for.
@@ -281,51 +302,50 @@ void BinTable::draw(const Hits& hits, bool show_weight, const SplatSurfaceTarget
 
 std::vector<VisiblePoints::Bin> BinTable::bins_of(const Hits& hits) {
   fill(hits, false, [&](const BinOptions& table) { add_weights(hits, table); });
-  std::vector<std::uint32_t> weights(weights_.buffer().bytes() / 4), keys(keys_.buffer().bytes() / 4);
-  weights_.buffer().download(weights.data(), weights_.buffer().bytes());
-  if (keys_) keys_.buffer().download(keys.data(), keys_.buffer().bytes());
+  Words weights(weights_), keys(keys_);
+  weights.read(), keys.read();
+  const Image<float> nearest = hits.nearest_t.download<float>();
   std::vector<VisiblePoints::Bin> bins;
-  for (std::size_t at = 0; at < weights.size(); at += std::size_t(slots_)) {
-    const std::size_t first = bins.size();
+  for (std::size_t pixel = 0; pixel < nearest.size(); ++pixel) {
+    if (std::isinf(nearest.data()[pixel])) continue;
+    const std::size_t first = bins.size(), base = pixel * std::size_t(slots_);
     for (std::uint32_t slot = 0; slot < std::uint32_t(slots_); ++slot)
-      if (weights[at + slot] > 0)
-        bins.push_back({std::uint32_t(at / std::size_t(slots_)), keys_ ? keys[at + slot] - 1 : slot,
-                        weights[at + slot]});
+      if (const std::uint32_t weight = weights.all[base + slot])
+        bins.push_back({std::uint32_t(pixel), keys.all ? keys.all[base + slot] - 1 : slot, weight});
     std::sort(bins.begin() + std::ptrdiff_t(first), bins.end(),
               [](const auto& a, const auto& b) { return a.number < b.number; });
   }
   return bins;
 }
 
-BinOptions BinTable::fill_from(const Hits& hits, const std::vector<VisiblePoints::Bin>& bins) {
-  return fill(hits, false, [&](const BinOptions& options) {
-    std::vector<std::uint32_t> weights(weights_.buffer().bytes() / 4), keys(keys_.buffer().bytes() / 4);
+BinOptions BinTable::choose_of(const Hits& hits, const VisiblePoints& of_all) {
+  if (of_all.bins_serial != 0 && chosen_ == of_all.bins_serial) return chosen_options_;
+  chosen_options_ = fill(hits, false, [&](const BinOptions& options) {
+    Words weights(weights_), keys(keys_);
     Image<std::uint32_t> first_bin(hits.view.width(), hits.view.height(), 0xffffffffu);
-    const BinCounts counts =
-        add_bins(bins, options, {weights.data(), keys_ ? keys.data() : nullptr, slots_, first_bin});
-    weights_.buffer().upload(weights.data(), weights_.buffer().bytes());
-    if (keys_) keys_.buffer().upload(keys.data(), keys_.buffer().bytes());
+    const BinCounts counts = add_bins(of_all.bins, options, {weights.all, keys.all, slots_, first_bin});
+    weights.write(), keys.write();
     first_bin_.upload(first_bin);
     counters_.buffer().upload(&counts, sizeof counts);
   });
+  choose(hits, chosen_options_);
+  chosen_ = of_all.bins_serial;
+  return chosen_options_;
 }
 
-Image<VisiblePoints::BinSums> BinTable::sums_of(const Hits& hits,
-                                                const std::vector<VisiblePoints::Bin>& of_all) {
-  const BinOptions options = fill_from(hits, of_all);
-  choose(hits, options);
+Image<VisiblePoints::BinSums> BinTable::sums_of(const Hits& hits, const VisiblePoints& of_all) {
+  const BinOptions options = choose_of(hits, of_all);
+  clear(sums_);  // of another part
   add_attributes(hits, options);
   Image<VisiblePoints::BinSums> sums(hits.view.width(), hits.view.height());
   sums_.buffer().download(sums.data(), sums_.buffer().bytes());
   return sums;
 }
 
-void BinTable::show(const Hits& hits, const std::vector<VisiblePoints::Bin>& of_all,
-                    const Image<VisiblePoints::BinSums>& sums, bool show_weight,
+void BinTable::show(const Hits& hits, const VisiblePoints& of_all, bool show_weight,
                     const SplatSurfaceTargets& targets) {
-  const BinOptions options = fill_from(hits, of_all);
-  choose(hits, options);
-  if (!sums.empty()) sums_.buffer().upload(sums.data(), sums_.buffer().bytes());
+  const BinOptions options = choose_of(hits, of_all);
+  if (!of_all.bin_sums.empty()) sums_.buffer().upload(of_all.bin_sums.data(), sums_.buffer().bytes());
   resolve(hits, options, show_weight, targets);
 }
 

@@ -79,9 +79,9 @@ class BinTable {
   /// these, the sums of what is in the bins that those of all parts choose, and the targets from the sums of
   /// all. Not fast, and without shadows.
   std::vector<VisiblePoints::Bin> bins_of(const Hits& hits);
-  Image<VisiblePoints::BinSums> sums_of(const Hits& hits, const std::vector<VisiblePoints::Bin>& of_all);
-  void show(const Hits& hits, const std::vector<VisiblePoints::Bin>& of_all,
-            const Image<VisiblePoints::BinSums>& sums, bool show_weight, const SplatSurfaceTargets& targets);
+  Image<VisiblePoints::BinSums> sums_of(const Hits& hits, const VisiblePoints& of_all);
+  void show(const Hits& hits, const VisiblePoints& of_all, bool show_weight,
+            const SplatSurfaceTargets& targets);
 
   /// Of the last draw; waits for it.
   BinCounts counts() const;
@@ -101,7 +101,8 @@ class BinTable {
   void set_uniforms(gl::Program& program, const BinOptions& options, const View& view) const;
   /// A table in which all that `add` adds found room: as large as its options say.
   BinOptions fill(const Hits& hits, bool shadow, const std::function<void(const BinOptions&)>& add);
-  BinOptions fill_from(const Hits& hits, const std::vector<VisiblePoints::Bin>& bins);
+  /// Fills it with the bins of all parts and chooses among them, but for those that were the last.
+  BinOptions choose_of(const Hits& hits, const VisiblePoints& of_all);
   bool grow(BinOptions& options, const View& view);
   // With the options of the table.
   void add_weights(const Hits& hits, const BinOptions& options);
@@ -117,6 +118,8 @@ class BinTable {
   int slots_ = 0, stride_ = 0;
   int asked_bits_ = 0, grown_bits_ = 0;  ///< of the hash table, what was asked for and what frames needed
   bool fast_ = false;
+  std::uint64_t chosen_ = 0;  ///< VisiblePoints::bins_serial
+  BinOptions chosen_options_;
   gl::TextureBuffer weights_, keys_, counters_, sums_;
   gl::Texture first_bin_, choice_, agreed_, sink_, farthest_end_;
   SplatRaster weight_raster_[8], attribute_raster_[16];

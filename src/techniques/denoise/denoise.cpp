@@ -214,7 +214,7 @@ class Denoise final : public Technique {
     const bool show_weight = frame.settings.shading == Shading::weight;
     if (frame.merged) {
       outliers_ = frame.merged->outliers;
-      bins_.show(hits, frame.merged->bins, frame.merged->bin_sums, show_weight, targets);
+      bins_.show(hits, *frame.merged, show_weight, targets);
     } else {
       bins_.draw(hits, show_weight, targets);
     }
@@ -259,7 +259,7 @@ class Denoise final : public Technique {
     } else if (frame.merged->bins.empty()) {
       visible.bins = bins_.bins_of(hits);
     } else {
-      visible.bin_sums = bins_.sums_of(hits, frame.merged->bins);
+      visible.bin_sums = bins_.sums_of(hits, *frame.merged);
     }
   }
 
