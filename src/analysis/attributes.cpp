@@ -497,9 +497,12 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   const bool support = needs.has(Attribute::support) && prepared.support.empty();
   std::optional<NeighborTree> own;
   if (!tree && (normals || radii || uncertainty || support)) tree = &own.emplace(cloud.positions);
+  // First what may be cancelled and then leaves nothing behind.
+  std::vector<float> new_support;
+  if (support) new_support = support_of(prepared, *tree, progress);
   if (normals || radii || uncertainty)
     Completion(prepared, options, *tree, progress).run(normals, radii, uncertainty);
-  if (support) prepared.support = support_of(prepared, *tree, progress);
+  if (support) prepared.support = std::move(new_support);
   prepared.available = attributes_of(cloud);
   if (!prepared.support.empty()) prepared.available = prepared.available | Attribute::support;
   prepared.computed = prepared.computed | prepared.available.without(found);

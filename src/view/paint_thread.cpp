@@ -228,7 +228,7 @@ bool PaintThread::prepare_ahead() {
     try {
       const Attributes of_most = Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty;
       if (stand.session().complete(of_most, watch) ||
-          stand.session().complete(of_most | Attribute::cluster, watch))
+          stand.session().complete(of_most | Attribute::cluster | Attribute::support, watch))
         return true;
       stand.prepares_ahead = false;  // it is all there
     } catch (const Cancelled&) {

@@ -28,7 +28,7 @@ void resize(gl::TextureBuffer& buffer, const char* label, GLenum format, std::si
   if (buffer.buffer().bytes() != 4 * words) buffer = gl::TextureBuffer(label, format, 4 * words);
 }
 
-/// The loops that find the nearest hits have waited for whoever read it before.
+/// Whoever read it before is done: loops have found the nearest hits since, or a picture was downloaded.
 void clear(gl::TextureBuffer& buffer) {
   if (!SplatCpu::is_used()) {
     buffer.buffer().clear(0);

@@ -272,12 +272,13 @@ class Denoise final : public Technique {
 
   /// Radius of the larger discs as they are drawn, scene units; 0 where they are hardly larger than usual.
   static float wide_disc(const PreparedCloud& prepared, float limit) {
+    // Parts choose alike: from nothing that is theirs alone, as the limit is.
+    if (const WholeCloud* whole = prepared.whole.get())
+      return whole->large_radius > uneven * whole->median_radius ? whole->large_radius : 0;
     std::vector<float> radii = prepared.cloud.radii;
+    if (radii.empty()) return 0;
     for (float& each : radii) each = std::min(each, limit);
-    const WholeCloud* whole = prepared.whole.get();
-    const float large = whole           ? std::min(whole->large_radius, limit)
-                        : radii.empty() ? 0
-                                        : analysis::quantile(radii, large_share);
+    const float large = analysis::quantile(radii, large_share);
     return large > uneven * std::min(prepared.median_radius, limit) ? large : 0;
   }
 
@@ -326,7 +327,10 @@ class Denoise final : public Technique {
       options.heaviest_bin = true;
       options.surface_share = surface_share;
       options.agree_rounds = agree_rounds;
-      options.splat_reach = shape.radius_scale * std::min(frame.cloud.median_radius(), shape.radius_limit);
+      const WholeCloud* whole = frame.cloud.prepared().whole.get();
+      options.splat_reach =
+          shape.radius_scale *
+          (whole ? whole->median_radius : std::min(frame.cloud.median_radius(), shape.radius_limit));
       options.wide_reach = shape.radius_scale * wide_disc_;
     }
     return options;

@@ -8,8 +8,8 @@ using sfumato::testing::expect_stops;
 
 namespace {
 
-constexpr Attributes everything =
-    Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty | Attribute::cluster;
+constexpr Attributes everything = Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty |
+                                  Attribute::cluster | Attribute::support;
 
 TEST(Cancel, MeasuringStops) {
   PointCloud cloud;
