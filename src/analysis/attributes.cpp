@@ -170,6 +170,12 @@ class KeptNeighbors {
   std::vector<std::uint32_t> ids_;
 };
 
+/// Of the whole, where this is a part of it.
+float median_radius(const PreparedCloud& prepared, const std::vector<float>& radii) {
+  const WholeCloud* whole = prepared.whole.get();
+  return whole && whole->median_radius > 0 ? whole->median_radius : quantile(radii, 0.5);
+}
+
 /// One call of `complete`. Works on copies until all is there, so that a cancelled call changes nothing.
 class Completion {
  public:
@@ -257,10 +263,7 @@ class Completion {
       noise = widen(near_normals, on_side, scatter, thickness2, orientation, new_normals);
     }
     // Uncertainty and the median, which limits the largest, are of the radii that a surface would have.
-    const WholeCloud* whole = prepared_.whole.get();
-    if (radii)
-      prepared_.median_radius =
-          whole && whole->median_radius > 0 ? whole->median_radius : quantile(new_radii, 0.5);
+    if (radii) prepared_.median_radius = median_radius(prepared_, new_radii);
     std::vector<float> shrunk;
     if (shrink) shrunk = shrink_to_vouched(flatness, cells, new_radii);
     for (std::size_t i = 0; i < on_side.size() && !shrunk.empty(); ++i)
@@ -272,7 +275,7 @@ class Completion {
                                             keep ? &kept : nullptr));
     if (!shrunk.empty()) prepared_.shrunk = std::move(shrunk);
     if (normals) cloud_.normals = std::move(new_normals);
-    if (!whole) prepared_.noise = std::max(prepared_.noise, noise);
+    if (!prepared_.whole) prepared_.noise = std::max(prepared_.noise, noise);
     if (radii) cloud_.radii = std::move(new_radii);
   }
 
@@ -479,6 +482,8 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   prepared.neighbors = options.neighbors;
   if (cloud.empty()) {
     prepared.available = prepared.available | needs;
+    if (prepared.whole && needs.has(Attribute::radius))
+      prepared.median_radius = prepared.whole->median_radius;
     return;
   }
   const Attributes found = attributes_of(cloud);
@@ -507,7 +512,7 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   if (!prepared.support.empty()) prepared.available = prepared.available | Attribute::support;
   prepared.computed = prepared.computed | prepared.available.without(found);
   if (prepared.available.has(Attribute::radius) && !(prepared.median_radius > 0))
-    prepared.median_radius = quantile(cloud.radii, 0.5);
+    prepared.median_radius = median_radius(prepared, cloud.radii);
   if (const ScalarField* values = cloud.scalar("uncertainty"))
     prepared.uncertainty_range = quantiles(values->values);
 }

@@ -92,7 +92,7 @@ std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surrou
   whole->residual = residual_of(nearest_of(around.noise, around_residual));
   const Discs discs = discs_at(around.dots);
   whole->median_radius = quantile(discs.radii, 0.5), whole->is_rough = need_widening(discs.scatter);
-  whole->large_radius = quantile(discs.radii, 0.95);
+  whole->large_radius = quantile(discs.radii, large_share);
   whole->usual_reach = usual_reach_of(around.dots), whole->empty_reach = empty_reach_of(around.anywhere);
   const std::vector<vec3>& normals = whole->sample.normals;
   whole->has_normals = facts.with_normal == facts.points &&

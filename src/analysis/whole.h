@@ -14,6 +14,9 @@
 
 namespace sfumato::analysis {
 
+/// Of the discs of a cloud, those that are no larger than WholeCloud::large_radius.
+inline constexpr double large_share = 0.95;
+
 struct Surroundings {
   Neighborhoods dots, noise;  ///< around places of the whole, for what is named so
   Neighborhoods anywhere;     ///< around places in its box (isolation.h)

@@ -1,8 +1,5 @@
 #include "passes/points_cpu.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -12,8 +9,7 @@
 #include <vector>
 
 #include "core/wide.h"
-#include "gl/commands.h"
-#include "gl/pace.h"
+#include "passes/loops_cpu.h"
 #include "passes/shaders_cpu.h"
 
 namespace sfumato {
@@ -277,17 +273,10 @@ void PointsCpu::visit(GpuCloud& cloud, const View& view, const PointVisit& visit
     chunks.emplace_back(cloud, c, Points::Reads{visitor.oriented, false, false});
   const std::vector<BatchInView> batches = batches_in_view(cloud, view);
 
-  gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
-  gl::end_stretch();
-  gl::finish();
-  const Progress& progress = gl::lent_progress();
-  std::atomic<std::size_t> next = 0;
-  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
-    for (std::size_t k = next++; k < batches.size(); k = next++) {
-      progress.check();
-      const BatchInView& of = batches[k];
-      visit_batch(visitor, chunks[of.chunk], of.batch->first - cloud.chunks()[of.chunk].first, *of.batch);
-    }
+  in_order(batches.size(), [&](std::size_t k) {
+    const BatchInView& of = batches[k];
+    visit_batch(visitor, chunks[of.chunk], of.batch->first - cloud.chunks()[of.chunk].first, *of.batch);
+    return true;
   });
 }
 

@@ -1,7 +1,6 @@
 #include "passes/splat_cpu.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,10 +12,10 @@
 
 #include "core/color.h"
 #include "core/wide.h"
-#include "gl/commands.h"
 #include "gl/context.h"
 #include "gl/pace.h"
 #include "gl/preferences.h"
+#include "passes/loops_cpu.h"
 #include "passes/view.h"
 
 namespace sfumato {
@@ -246,16 +245,6 @@ float depth_of(const Points& points, std::uint32_t i, const Eye& eye) {
   return glm::length(eye.turned(points.positions[i]) + vec3(eye.eye_from_cloud[3]));
 }
 
-/// On all cores, each number when all before it have begun, until `work` returns false.
-template <class Work>
-void in_order(std::size_t count, const Work& work) {
-  std::atomic<std::size_t> next = 0;
-  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
-    for (std::size_t k = next++; k < count; k = next++)
-      if (!work(k)) next = count;
-  });
-}
-
 /// False when `take` wants no more.
 SFUMATO_WIDE bool give_hits(const Points& points, std::uint32_t first, std::uint32_t count, const Eye& eye,
                             const SplatShape& shape, const GpuCloud::Cut& cut,
@@ -305,12 +294,7 @@ void SplatCpu::for_each_hit(GpuCloud& cloud, const View& view, const SplatShape&
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
     return std::tuple(a.depth, a.chunk, a.first) < std::tuple(b.depth, b.chunk, b.first);
   });
-  gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
-  gl::end_stretch();
-  gl::finish();
-  const Progress& progress = gl::lent_progress();
   in_order(ranges.size(), [&](std::size_t k) {
-    progress.check();
     const Range& of = ranges[k];
     return give_hits(chunks[of.chunk], of.first, of.count, eye, shape, cloud.cut(), wants, take);
   });
@@ -332,10 +316,6 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
   kept_.resize(used);
   prefilter_px_ = shape.prefilter_px;
 
-  gl::barrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
-  gl::end_stretch();
-  gl::finish();
-  const Progress& progress = gl::lent_progress();
   // From front to back, so that most of what is hidden is so when it is visited: no result depends on it.
   std::vector<std::size_t> order(used);
   std::iota(order.begin(), order.end(), std::size_t(0));
@@ -343,7 +323,6 @@ void SplatCpu::find_nearest(GpuCloud& cloud, const View& view, const SplatShape&
     return std::pair(kept_[a].depth, a) < std::pair(kept_[b].depth, b);
   });
   in_order(used, [&](std::size_t k) {
-    progress.check();
     OfBatch& batch = kept_[order[k]];
     visit(chunks[batch.chunk], batch.first, batch.count, eye, shape, shift, epsilon, cloud.cut(), nearest,
           batch.discs);

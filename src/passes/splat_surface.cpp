@@ -8,13 +8,13 @@ namespace sfumato {
 
 void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
                                 const SplatBatches& batches, const SplatShift& shift, float epsilon) {
-  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
   if (SplatCpu::is_used()) {
     nearest_here_ = Image<float>(view.width(), view.height(), std::numeric_limits<float>::infinity());
     cpu_.find_nearest(cloud, view, shape, batches, shift, epsilon, nearest_here_);
-    nearest_t_.upload(nearest_here_);
+    set_nearest(nearest_here_);
     return;
   }
+  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
   nearest_t_.clear(vec4(std::numeric_limits<float>::infinity()));
   if (!nearest_) nearest_ = SplatRaster("passes/splat_nearest.frag");
   visit_.draw_nearest(cloud, view, shape, batches, shift, nearest_t_);
@@ -23,6 +23,11 @@ void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatSh
   nearest_.draw(
       cloud, view, shape, batches, {.blend = gl::State::Blend::min},
       [&](gl::Program& program) { shift.set(program, shape); }, false);
+}
+
+void SplatSurface::set_nearest(const Image<float>& nearest) {
+  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, nearest.width(), nearest.height());
+  nearest_t_.upload(nearest);
 }
 
 SplatShape behind_surface(SplatShape shape, const SplatBlend& blend) {
@@ -80,8 +85,7 @@ void SplatSurface::accumulate(GpuCloud& cloud, const View& view, const SplatShap
                               const SplatBlend& blend, const Image<float>& nearest, gl::Timers& timers) {
   const SplatShape behind = behind_surface(shape, blend);
   batches_ = choose_batches(cloud, view, behind);
-  gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
-  nearest_t_.upload(nearest);
+  set_nearest(nearest);
   if (SplatCpu::is_used()) {
     auto timing = timers.scope("accumulate");
     nearest_here_ = nearest;

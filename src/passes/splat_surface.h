@@ -46,6 +46,8 @@ class SplatSurface {
   /// R32F: ray distance of the nearest hit of every pixel, +inf where nothing.
   const gl::Texture& nearest_t() const { return nearest_t_; }
   gl::Texture& nearest_t() { return nearest_t_; }
+  /// Those of all parts, in place of what is drawn here.
+  void set_nearest(const Image<float>& nearest);
   /// How the batches of the last draw were chosen.
   const SplatBatches& batches() const { return batches_; }
 

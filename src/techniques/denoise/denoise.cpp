@@ -17,6 +17,7 @@
 
 #include "analysis/quantiles.h"
 #include "analysis/survey.h"
+#include "analysis/whole.h"
 #include "core/derived.h"
 #include "gl/context.h"
 #include "passes/shade.h"
@@ -48,8 +49,8 @@ constexpr int far_side_bins = 2 * peak_bins;  // beyond `peak_bins` even where i
 constexpr int agree_rounds = 2;               // a dip between dips is closed by the second
 // Where a scan thins out discs are larger than usual, and so are dips between them: one more round asks as
 // far away as those reach. Clouds of even density are within `uneven` and need none.
-constexpr double large_share = 0.95;  // of the discs are smaller
-constexpr float uneven = 1.75f;       // in usual radii
+using analysis::large_share;     // of the discs are smaller
+constexpr float uneven = 1.75f;  // in usual radii
 // Points with less support are left out. Where no bin of the others is above the threshold (a sparse edge,
 // the rim of a splat) the heaviest one is shown.
 using denoise::least_support;
@@ -198,8 +199,7 @@ class Denoise final : public Technique {
     shape.behind = far_side_bins * options.bin_size;
     const SplatBatches batches = choose_batches(frame.cloud, view, shape);
     if (frame.merged) {
-      gl::ensure(surface_.nearest_t(), "nearest ray distance", GL_R32F, view.width(), view.height());
-      surface_.nearest_t().upload(frame.merged->nearest);
+      surface_.set_nearest(frame.merged->nearest);
     } else {
       auto timing = frame.timers.scope("nearest");  // t_min
       surface_.draw_nearest(frame.cloud, view, shape, batches);
@@ -293,6 +293,7 @@ class Denoise final : public Technique {
       residual_ =
           prepared.whole ? prepared.whole->residual : analysis::plane_residual(prepared.cloud.positions);
     const std::vector<float> all_alike(prefilter ? 0 : prepared.cloud.size(), 1.0f);
+    measured_.reset();  // nothing is kept of what fails
     worth_ =
         cloud.make_values("worth", denoise::splat_worth(prepared, prefilter ? prepared.support : all_alike,
                                                         least_support, radius_limit));
@@ -327,10 +328,7 @@ class Denoise final : public Technique {
       options.heaviest_bin = true;
       options.surface_share = surface_share;
       options.agree_rounds = agree_rounds;
-      const WholeCloud* whole = frame.cloud.prepared().whole.get();
-      options.splat_reach =
-          shape.radius_scale *
-          (whole ? whole->median_radius : std::min(frame.cloud.median_radius(), shape.radius_limit));
+      options.splat_reach = shape.radius_scale * std::min(frame.cloud.median_radius(), shape.radius_limit);
       options.wide_reach = shape.radius_scale * wide_disc_;
     }
     return options;
