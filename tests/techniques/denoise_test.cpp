@@ -434,6 +434,25 @@ class Table : public GlTest {
       }
     return found;
   }
+  /// `check` by name for a noisy sphere under all options that loops and shaders distinguish.
+  template <class Check>
+  void for_each_kind(const Check& check) {
+    prepared_ =
+        analysis::prepare(noisy_sphere(3000, 0.05f, 1500, 4), Attribute::normal | Attribute::radius, {});
+    check("hashed");
+    options_.overlapping = true;
+    check("overlapping");
+    options_.anchor = denoise::Anchor::grid;
+    check("on a grid");
+    options_.layout = denoise::Layout::dense;
+    options_.dense_bins = 16;
+    check("dense");
+    options_.overlapping = false;
+    for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) worth_.push_back(0.1f + 0.9f * float(i % 7) / 6);
+    options_.covers = 10, options_.surface_share = 0.2f;
+    shape_.part = SplatPart::above, shape_.field_threshold = 0.3f, shape_.prefilter_px = 1;
+    check("of worth");
+  }
   PreparedCloud prepared_;
   SplatShape shape_;
   std::vector<float> worth_;  ///< of the points, as a field
@@ -454,8 +473,6 @@ INSTANTIATE_TEST_SUITE_P(, TableBy, ::testing::Values(gl::Place::gpu, gl::Place:
 TEST_F(Table, IsThatOfShaders) {
   constexpr int width = 64, height = 48;
   options_.weight_threshold = 1000;
-  prepared_ =
-      analysis::prepare(noisy_sphere(3000, 0.05f, 1500, 4), Attribute::normal | Attribute::radius, {});
   const auto expect_alike = [&](const char* which) {
     std::vector<double> weights[2];
     for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
@@ -483,26 +500,12 @@ TEST_F(Table, IsThatOfShaders) {
     EXPECT_GT(filled, 2000u) << which;
     EXPECT_LE(differ, filled / 500) << which;
   };
-  expect_alike("hashed");
-  options_.overlapping = true;
-  expect_alike("overlapping");
-  options_.anchor = denoise::Anchor::grid;
-  expect_alike("on a grid");
-  options_.layout = denoise::Layout::dense;
-  options_.dense_bins = 16;
-  expect_alike("dense");
-  options_.overlapping = false;
-  for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) worth_.push_back(0.1f + 0.9f * float(i % 7) / 6);
-  options_.covers = 10, options_.surface_share = 0.2f;
-  shape_.part = SplatPart::above, shape_.field_threshold = 0.3f, shape_.prefilter_px = 1;
-  expect_alike("of worth");
+  for_each_kind(expect_alike);
 }
 
 // What is in the chosen bins likewise. A hit on a border falls to either side, and with a few others in its
 // pixel it moves their mean: one pixel in a hundred may differ by more than roundings.
 TEST_F(Table, SumsAreThoseOfShaders) {
-  prepared_ =
-      analysis::prepare(noisy_sphere(3000, 0.05f, 1500, 4), Attribute::normal | Attribute::radius, {});
   const auto expect_alike = [&](const char* which) {
     std::vector<vec4> seen[2];
     for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
@@ -527,19 +530,7 @@ TEST_F(Table, SumsAreThoseOfShaders) {
     EXPECT_GT(shown, 1500u) << which;
     EXPECT_LE(differ, shown / 100) << which;
   };
-  expect_alike("hashed");
-  options_.overlapping = true;
-  expect_alike("overlapping");
-  options_.anchor = denoise::Anchor::grid;
-  expect_alike("on a grid");
-  options_.layout = denoise::Layout::dense;
-  options_.dense_bins = 16;
-  expect_alike("dense");
-  options_.overlapping = false;
-  for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) worth_.push_back(0.1f + 0.9f * float(i % 7) / 6);
-  options_.covers = 10, options_.surface_share = 0.2f;
-  shape_.part = SplatPart::above, shape_.field_threshold = 0.3f, shape_.prefilter_px = 1;
-  expect_alike("of worth");
+  for_each_kind(expect_alike);
   prepared_.cloud.normals.assign(prepared_.cloud.size(), vec3(0));
   expect_alike("without normals");
 }

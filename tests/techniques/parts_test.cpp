@@ -107,7 +107,7 @@ class PartsTest : public GlTest {
       for (std::size_t k = 0; k < parts.size(); ++k) {
         show(parts[k]);
         visible.push_back(
-            renderer_.visible(*technique(), camera_of_scene(), settings_, round > 0 ? &merged : nullptr));
+            renderer_.visible(*technique(k), camera_of_scene(), settings_, round > 0 ? &merged : nullptr));
         for (std::uint32_t& number : visible.back().number)
           if (!numbers.empty() && number != VisiblePoints::nothing) number = numbers[k][number];
       }
@@ -148,8 +148,9 @@ class PartsTest : public GlTest {
     return renderer_.render(*technique(), camera_of_scene(), settings_, all_outputs());
   }
 
-  Technique* technique() {
-    std::unique_ptr<Technique>& technique = techniques_[{name_, parameters_}];
+  /// Each part has its own, as processes do; the first draws the picture.
+  Technique* technique(std::size_t part = 0) {
+    std::unique_ptr<Technique>& technique = techniques_[{name_, parameters_, part}];
     if (!technique) {
       technique = find_technique(name_).create();
       for (const auto& [name, value] : parameters_) set_parameter(*technique, name, value);
@@ -162,8 +163,8 @@ class PartsTest : public GlTest {
   RenderSettings settings_;
 
  private:
-  std::map<std::pair<std::string, std::map<std::string, std::string>>, std::unique_ptr<Technique>>
-      techniques_;
+  using Key = std::tuple<std::string, std::map<std::string, std::string>, std::size_t>;
+  std::map<Key, std::unique_ptr<Technique>> techniques_;
 
  protected:
   Renderer renderer_{context()};
