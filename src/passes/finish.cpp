@@ -23,7 +23,8 @@ void SmoothOutlines::run(const View& view, const gl::Texture& color, const gl::T
 }
 
 void PostProcessing::run(const View& view, const Relief::Options& relief, bool with_smooth_outlines,
-                         gl::Texture& color, const gl::Texture& depth, gl::Timers& timers) {
+                         gl::Texture& color, const gl::Texture& depth, const gl::Texture& normal,
+                         gl::Timers& timers) {
   if (!relief.any() && !with_smooth_outlines) return;
   if (gl::place_of_work(gl::preferences().finish) == gl::Place::cpu) {
     gl::end_stretch();
@@ -32,11 +33,9 @@ void PostProcessing::run(const View& view, const Relief::Options& relief, bool w
       auto timing = timers.scope("relief");
       const Relief::Openness openness = relief_.find_openness(view, relief, depth);
       gl::end_stretch();
-      darken_relief(
-          view,
-          {openness.square_px, Relief::radius_px(relief, view.picture_height()), relief.edl_strength,
-           relief.occlusion, Relief::orthographic_distance(view), relief.spacing},
-          depth_here_, openness.squares.download<vec2>(), color_here_);
+      if (relief.scaling > 0) normal.download(normal_here_);
+      shade_relief(view, relief, openness.square_px, depth_here_, openness.squares.download<vec2>(),
+                   normal_here_, color_here_);
     }
     if (with_smooth_outlines) {
       auto timing = timers.scope("smooth outlines");
@@ -48,7 +47,7 @@ void PostProcessing::run(const View& view, const Relief::Options& relief, bool w
   gl::ensure(scratch_, "finish scratch", GL_RGBA32F, color.width(), color.height());
   if (relief.any()) {
     auto timing = timers.scope("relief");
-    relief_.run(view, relief, color, depth, scratch_);
+    relief_.run(view, relief, color, depth, normal, scratch_);
     std::swap(scratch_, color);
   }
   if (with_smooth_outlines) {

@@ -23,11 +23,12 @@ class SmoothOutlines {
   PixelMask mask_;
 };
 
-/// Relief and smooth outlines in place, by the processor where OpenGL is software.
+/// Relief and smooth outlines in place, by the processor where OpenGL is software. Normals are read for
+/// radiance scaling.
 class PostProcessing {
  public:
   void run(const View& view, const Relief::Options& relief, bool with_smooth_outlines, gl::Texture& color,
-           const gl::Texture& depth, gl::Timers& timers);
+           const gl::Texture& depth, const gl::Texture& normal, gl::Timers& timers);
 
  private:
   Relief relief_;
@@ -35,6 +36,7 @@ class PostProcessing {
   gl::Texture scratch_;
   Image<vec4> color_here_;
   Image<float> depth_here_;
+  Image<vec4> normal_here_;
 };
 
 /// Background and encoding. `color` is linear and premultiplied.

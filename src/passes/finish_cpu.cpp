@@ -8,15 +8,17 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/wide.h"
 #include "gl/pace.h"
+#include "passes/shaders_cpu.h"
 
 namespace sfumato {
 namespace {
 
-constexpr int lanes = 8;
+using cpu::lanes;
 constexpr int rows_at_once = 16;
 
 template <class Row>
@@ -31,16 +33,20 @@ void for_each_row(int height, const Row& row) {
 /// Shaders clamp what they look up to the picture: here it has a border of its last pixels.
 class Bordered {
  public:
-  Bordered(const Image<float>& image, int border)
-      : border_(border), pixels_(image.width() + 2 * border + lanes, image.height() + 2 * border) {
+  /// `fill` writes a row of the picture.
+  template <class Fill>
+  Bordered(int width, int height, int border, const Fill& fill)
+      : border_(border), pixels_(width + 2 * border + lanes, height + 2 * border) {
     for_each_row(pixels_.height(), [&](int y) {
-      const float* from = image.row(std::clamp(y - border, 0, image.height() - 1));
-      float* to = &pixels_.at(0, y);
-      std::fill_n(to, border, from[0]);
-      std::copy_n(from, image.width(), to + border);
-      std::fill_n(to + border + image.width(), border + lanes, from[image.width() - 1]);
+      float *row = &pixels_.at(0, y), *picture = row + border;
+      fill(std::clamp(y - border, 0, height - 1), picture);
+      std::fill(row, picture, picture[0]);
+      std::fill_n(picture + width, border + lanes, picture[width - 1]);
     });
   }
+  Bordered(const Image<float>& image, int border)
+      : Bordered(image.width(), image.height(), border,
+                 [&](int y, float* to) { std::copy_n(image.row(y), image.width(), to); }) {}
   const float& at(int x, int y) const { return pixels_.at(x + border_, y + border_); }
   const float& at(const ivec2& p) const { return at(p.x, p.y); }
 
@@ -53,7 +59,8 @@ class Bordered {
 
 constexpr int compass = 8;  // opposite ways follow each other
 constexpr float most_near = 0.008f, darkest = 1.2f, along_radii = 3, within_radii = 0.25f, own_way = 0.1f,
-                steepest = 4, fine_px = 2.5f, coarse_px = 6;
+                steepest = 4, fine_px = 2.5f, coarse_px = 6, well_opened = 0.35f, most_sudden = 1.5f,
+                least_spacings = 1, enough_spacings = 2;
 
 /// What eight neighbours of pixels side by side tell.
 struct Around {
@@ -61,23 +68,57 @@ struct Around {
   float any[lanes];  ///< above 0 where one of them is bounded from below
 };
 
+/// What of the normals of a picture lies across it, and how far surfaces face the camera.
+struct Surfaces {
+  Surfaces(const View& view, const Image<float>& depths, const Image<vec4>& normals, int border)
+      : eye(view),
+        normal(normals),
+        right(normal.width(), normal.height(), border, [&](int y, float* to) { along_axis(0, y, to); }),
+        above(normal.width(), normal.height(), border, [&](int y, float* to) { along_axis(1, y, to); }),
+        depth(normal.width(), normal.height(), border, [&](int y, float* to) {
+          for (int x = 0; x < normal.width(); ++x) {
+            const vec3 n(normal.at(x, y));
+            to[x] = glm::dot(n, n) < 0.25f ? INFINITY : depths.at(x, y);
+          }
+        }) {}
+  void along_axis(int axis, int y, float* to) const {
+    for (int x = 0; x < normal.width(); ++x) to[x] = eye.turned(vec3(normal.at(x, y)))[axis];
+  }
+  float facing(int x, int y) const {
+    const vec3 ray(eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)], -1);
+    return std::abs(glm::dot(eye.turned(vec3(normal.at(x, y))), eye.to_camera(ray)));
+  }
+
+  cpu::Eye eye;
+  const Image<vec4>& normal;
+  Bordered right, above;
+  Bordered depth;  ///< infinite where there is no normal
+};
+
 struct ReliefLoop {
-  ReliefLoop(const View& view, const ReliefLook& of, const Bordered& depths, const Image<vec2>& openness)
-      : look(of),
+  ReliefLoop(const View& view, const Relief::Options& options, float square, const Bordered& depths,
+             const Image<vec2>& openness, const Surfaces* normals)
+      : look(options),
+        square_px(square),
+        radius_px(Relief::radius_px(options, view.picture_height())),
+        orthographic_distance(Relief::orthographic_distance(view)),
         depth(depths),
         open(openness),
+        surfaces(normals),
         orthographic(view.camera().orthographic()),
         pixels_per_unit(float(view.camera().pixels_per_unit())) {
+    for (int k = 0; k < Relief::scaling_distances; ++k)
+      scaling_px[k] = Relief::scaling_px(k, view.picture_height());
     for (int k = 0; k < compass; ++k) {
       const float angle = float(k / 2) * 0.785398163f, side = k % 2 == 0 ? 1.0f : -1.0f;
-      aways[k] = side * look.radius_px * vec2(std::cos(angle), std::sin(angle));
+      aways[k] = side * radius_px * vec2(std::cos(angle), std::sin(angle));
       offsets[k] = ivec2(glm::floor(aways[k] + 0.5f));
     }
   }
 
   /// Between the centres of four squares.
   [[gnu::always_inline]] vec2 around(int x, int y) const {
-    const vec2 at = (vec2(x, y) + 0.5f) / look.square_px - 0.5f, low = glm::floor(at), t = at - low;
+    const vec2 at = (vec2(x, y) + 0.5f) / square_px - 0.5f, low = glm::floor(at), t = at - low;
     const int x0 = std::clamp(int(low.x), 0, open.width() - 1),
               y0 = std::clamp(int(low.y), 0, open.height() - 1),
               x1 = std::clamp(int(low.x) + 1, 0, open.width() - 1),
@@ -92,8 +133,8 @@ struct ReliefLoop {
     for (int k = 0; k < compass; ++k) neighbors[k] = &depth.at(x + offsets[k].x, y + offsets[k].y);
     for (int i = 0; i < lanes; ++i) {
       const float d = own[i], pixels = orthographic ? pixels_per_unit : pixels_per_unit / d;
-      const float scale = 1 / ((orthographic ? look.orthographic_distance : d) * 0.69314718f);
-      const float lowest = -steepest * look.radius_px / pixels;
+      const float scale = 1 / ((orthographic ? orthographic_distance : d) * 0.69314718f);
+      const float lowest = -steepest * radius_px / pixels;
       float sum = 0;
       for (int k = 0; k < compass; k += 2) {
         const float a = d - neighbors[k][i], b = d - neighbors[k + 1][i];
@@ -132,18 +173,54 @@ struct ReliefLoop {
       if (lighter <= 0) continue;
       vec2 way = toward + own_way * lighter * aways[k];
       way *= 1 / std::sqrt(std::max(glm::dot(way, way), 1e-30f));
-      const vec2 along = along_radii * look.radius_px * vec2(-way.y, way.x);
-      response += lighter * goes_on(x, y, aways[k] + within_radii * look.radius_px * way, along, own,
-                                    of.behind[k][lane]);
+      const vec2 along = along_radii * radius_px * vec2(-way.y, way.x);
+      response +=
+          lighter * goes_on(x, y, aways[k] + within_radii * radius_px * way, along, own, of.behind[k][lane]);
     }
-    const float exponent = response / 8 * 300 * look.strength * 2.2f;
+    const float exponent = response / 8 * 300 * look.edl_strength * 2.2f;
     return std::exp(-darkest * (1 - std::exp(-exponent / darkest)));
+  }
+
+  /// ridge_at of pixels side by side, as if they faced the camera.
+  [[gnu::always_inline]] void find_ridges(int x, int y, float* ridges) const {
+    const float* own = &surfaces->depth.at(x, y);
+    float before[2][lanes] = {};  // angles over a pixel of distance
+    std::fill_n(ridges, lanes, 0.0f);
+    for (int k = 0; k < Relief::scaling_distances; ++k) {
+      const int px = scaling_px[k];
+      float angles[lanes] = {};
+      for (int axis = 0; axis < 2; ++axis) {
+        const ivec2 away = axis == 0 ? ivec2(px, 0) : ivec2(0, -px), a(x + away.x, y + away.y),
+                    b(x - away.x, y - away.y);
+        const Bordered& normal = axis == 0 ? surfaces->right : surfaces->above;
+        const float *normal_a = &normal.at(a), *normal_b = &normal.at(b), *depth_a = &surfaces->depth.at(a),
+                    *depth_b = &surfaces->depth.at(b);
+        for (int i = 0; i < lanes; ++i) {
+          const float reach = steepest * float(px) / pixels_at(own[i]);
+          const float farther = std::max(std::abs(depth_a[i] - own[i]), std::abs(depth_b[i] - own[i]));
+          angles[i] += farther < reach ? 0.5f * (normal_a[i] - normal_b[i]) : 0.0f;
+        }
+      }
+      for (int i = 0; i < lanes; ++i) {
+        const float pixels = pixels_at(own[i]), noise = 4 * look.noise * pixels / float(px);
+        const float spacings = float(px) / std::max(look.median_spacing * pixels, 1e-6f);
+        const float promised = most_sudden * float(px) * before[k % 2][i],
+                    most = std::max(std::copysign(1.0f, angles[i]) * promised, 0.0f);
+        before[k % 2][i] = angles[i] / float(px);
+        const float angle = std::max(std::min(std::abs(angles[i]), most) - noise, 0.0f);
+        if (k >= 2)
+          ridges[i] +=
+              std::copysign(angle, angles[i]) * glm::smoothstep(least_spacings, enough_spacings, spacings);
+      }
+    }
+    for (int i = 0; i < lanes; ++i)
+      ridges[i] = own[i] < INFINITY ? ridges[i] / (Relief::scaling_distances - 2) : 0;
   }
 
   [[gnu::always_inline]] void row(int y, Image<vec4>& color) const {
     const int width = color.width();
     Around of;
-    float noises[lanes] = {}, shades[lanes] = {};
+    float noises[lanes] = {}, shades[lanes] = {}, ridges[lanes] = {};
     for (int first = 0; first < width; first += lanes) {
       const int n = std::min(lanes, width - first);
       const float* own = &depth.at(first, y);
@@ -153,29 +230,42 @@ struct ReliefLoop {
       if (!covered) continue;
       for (int i = 0; i < n; ++i) {
         const vec2 here = around(first + i, y);
-        const float between = look.spacing * (orthographic ? pixels_per_unit : pixels_per_unit / own[i]);
+        const float between = look.spacing * pixels_at(own[i]);
         noises[i] = std::max(look.spacing * glm::smoothstep(fine_px, coarse_px, between), here.y);
         shades[i] = 1 - look.occlusion + look.occlusion * here.x;
       }
-      if (look.strength > 0) look_around(first, y, noises, of);
+      if (look.edl_strength > 0) look_around(first, y, noises, of);
+      if (surfaces) find_ridges(first, y, ridges);
       for (int i = 0; i < n; ++i) {
         if (!(own[i] < INFINITY && pixels[i].a > 0)) continue;
-        if (look.strength > 0 && of.any[i] > 0) shades[i] *= shade(first + i, y, of, i);
-        pixels[i] = vec4(vec3(pixels[i]) * shades[i], pixels[i].a);
+        if (look.edl_strength > 0 && of.any[i] > 0) shades[i] *= shade(first + i, y, of, i);
+        vec3 shaded = vec3(pixels[i]) * shades[i];
+        if (surfaces) {
+          const float lightest = std::max({shaded.r, shaded.g, shaded.b, 1e-6f});
+          const float ridge = ridges[i] == 0 ? 0 : ridges[i] * surfaces->facing(first + i, y);
+          const float gain = std::exp(look.scaling * std::tanh(ridge / well_opened));
+          shaded *= std::min(gain, std::max(pixels[i].a / lightest, 1.0f));
+        }
+        pixels[i] = vec4(shaded, pixels[i].a);
       }
     }
   }
 
-  const ReliefLook& look;
+  float pixels_at(float d) const { return orthographic ? pixels_per_unit : pixels_per_unit / d; }
+
+  const Relief::Options& look;
+  float square_px, radius_px, orthographic_distance;
+  int scaling_px[Relief::scaling_distances];
   const Bordered& depth;
   const Image<vec2>& open;
+  const Surfaces* surfaces;  ///< null without radiance scaling
   bool orthographic;
   float pixels_per_unit;
   vec2 aways[compass];
   ivec2 offsets[compass];
 };
 
-SFUMATO_WIDE void darken_row(const ReliefLoop& loop, int y, Image<vec4>& color) { loop.row(y, color); }
+SFUMATO_WIDE void shade_row(const ReliefLoop& loop, int y, Image<vec4>& color) { loop.row(y, color); }
 
 // depth_edges.glsl.
 
@@ -289,12 +379,17 @@ struct Outlines {
 
 }  // namespace
 
-void darken_relief(const View& view, const ReliefLook& look, const Image<float>& depth,
-                   const Image<vec2>& openness, Image<vec4>& color) {
-  const float farthest = (1 + along_radii + within_radii) * look.radius_px;
+void shade_relief(const View& view, const Relief::Options& options, float square_px,
+                  const Image<float>& depth, const Image<vec2>& openness, const Image<vec4>& normal,
+                  Image<vec4>& color) {
+  const float farthest = (1 + along_radii + within_radii) * Relief::radius_px(options, view.picture_height());
   const Bordered bordered(depth, int(std::ceil(farthest)) + 1);
-  const ReliefLoop loop(view, look, bordered, openness);
-  for_each_row(color.height(), [&](int y) { darken_row(loop, y, color); });
+  std::optional<Surfaces> surfaces;
+  if (options.scaling > 0)
+    surfaces.emplace(view, depth, normal,
+                     Relief::scaling_px(Relief::scaling_distances - 1, view.picture_height()));
+  const ReliefLoop loop(view, options, square_px, bordered, openness, surfaces ? &*surfaces : nullptr);
+  for_each_row(color.height(), [&](int y) { shade_row(loop, y, color); });
 }
 
 void smooth_outlines(const View& view, const Image<float>& depth, Image<vec4>& color) {

@@ -9,15 +9,11 @@
 
 namespace sfumato {
 
-/// Of relief.glsl, as Relief::run sets it.
-struct ReliefLook {
-  float square_px = 2, radius_px = 0;
-  float strength = 0, occlusion = 0;
-  float orthographic_distance = 0, spacing = 0;
-};
-/// Darkens `color`. `openness`: of squares, with the noise of the depth in them.
-void darken_relief(const View& view, const ReliefLook& look, const Image<float>& depth,
-                   const Image<vec2>& openness, Image<vec4>& color);
+/// relief.glsl on `color`. `openness`: of squares, with the noise of the depth in them; `normal` is read for
+/// radiance scaling.
+void shade_relief(const View& view, const Relief::Options& options, float square_px,
+                  const Image<float>& depth, const Image<vec2>& openness, const Image<vec4>& normal,
+                  Image<vec4>& color);
 
 /// Antialiases `color` at outlines and depth edges.
 void smooth_outlines(const View& view, const Image<float>& depth, Image<vec4>& color);

@@ -135,6 +135,11 @@ void RenderSettings::describe(ParamList& p) {
       .help(
           "darkening of hollows by the share of the sky that their surroundings occlude, at several scales "
           "(auto: 1)");
+  p.add("radiance_scaling", radiance_scaling)
+      .range(0, 2)
+      .help(
+          "how much ridges are lightened and valleys darkened, by how normals turn above the noise, at "
+          "several scales (auto: 0.25; 0 on photographs)");
   p.add("samples", samples)
       .range(1, 64)
       .help("samples per pixel, averaged: the smoothest outlines, at that many times the cost");

@@ -81,6 +81,9 @@ struct RenderSettings {
   /// Share of the light from everywhere that what is around takes; automatic: Session.
   static constexpr float usual_occlusion = 1;
   Auto<float> ambient_occlusion;
+  /// Strength of radiance scaling; automatic: Session.
+  static constexpr float usual_scaling = 0.25f;
+  Auto<float> radiance_scaling;
   /// Linear colours of categories: a surface shows one of them and nothing between them. At most
   /// `palette_limit` of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
   std::vector<vec3> palette;

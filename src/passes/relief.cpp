@@ -14,6 +14,8 @@ constexpr float usual_height = 720;
 /// Distances of the octaves at that height: 6 px to 96 px, an eighth of it.
 constexpr float first_octave_px = 6;
 constexpr int octaves = 5, fine_octaves = 2;
+/// 1 to 8 px at that height.
+constexpr float finest_scaling_px = 1;
 /// Squares of 32 px: elsewhere nothing is covered.
 constexpr int tile_level = 4;
 
@@ -34,6 +36,10 @@ int Relief::reach_px(const Options& options, int picture_height) {
 
 float Relief::radius_px(const Options& options, int picture_height) {
   return options.edl_radius * widened(picture_height);
+}
+
+int Relief::scaling_px(int k, int picture_height) {
+  return int(std::floor(finest_scaling_px * widened(picture_height) * std::exp2(0.5f * float(k)) + 0.5f));
 }
 
 float Relief::orthographic_distance(const View& view) {
@@ -74,7 +80,7 @@ Relief::Openness Relief::find_openness(const View& view, const Options& options,
 }
 
 void Relief::run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
-                 const gl::Texture& out) {
+                 const gl::Texture& normal, const gl::Texture& out) {
   const Openness openness = find_openness(view, options, depth);
   if (!relief_) relief_ = ScreenPass("passes/relief.glsl", {GL_RGBA32F});
   relief_.set("square_px", openness.square_px)
@@ -83,8 +89,13 @@ void Relief::run(const View& view, const Options& options, const gl::Texture& co
       .set("occlusion", options.occlusion)
       .set("orthographic_distance", orthographic_distance(view))
       .set("spacing", options.spacing);
+  relief_.set("scaling", options.scaling)
+      .set("scaling_px", finest_scaling_px * widened(view.picture_height()))
+      .set("scaling_distances", scaling_distances)
+      .set("point_noise", options.noise)
+      .set("median_spacing", options.median_spacing);
   gl::copy(color, ivec2(0), out, ivec2(0), ivec2(color.width(), color.height()));
-  relief_.run({views_[tile_level], 2 << tile_level}, {&color, &depth, &openness_}, {&out}, {});
+  relief_.run({views_[tile_level], 2 << tile_level}, {&color, &depth, &openness_, &normal}, {&out}, {});
 }
 
 }  // namespace sfumato

@@ -4,11 +4,16 @@
 // bounded, and so is their sum: every step draws a line of one darkness, and what lies behind all that is around it
 // stays a dot of its colour. An outline is that of something that goes on along it: of leaves and strays, which all lie
 // at depths of their own, every dot would have a black ring.
+//
+// And from normals: radiance scaling (Vergne et al. 2010, "Radiance Scaling for Versatile Surface Enhancement", Eq. 5 of
+// dark radiance, tanh of the curvature): ridges are lightened and valleys darkened, as normals open or close across the
+// picture, over several distances.
 #include "frame.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D color_image;
 layout(binding = UNIT_INPUT + 1) uniform sampler2D depth_image;
 layout(binding = UNIT_INPUT + 2) uniform sampler2D openness_image;  // openness and noise of squares
+layout(binding = UNIT_INPUT + 3) uniform sampler2D normal_image;
 
 uniform float square_px;
 uniform float radius_px;
@@ -16,6 +21,11 @@ uniform float strength;   // of eye-dome lighting
 uniform float occlusion;  // share of what ambient occlusion takes
 uniform float orthographic_distance;
 uniform float spacing;  // of the points between which a surface was closed, scene units; 0 where none was
+uniform float scaling;  // strength of radiance scaling
+uniform float scaling_px;  // the least distance, each next one half an octave farther
+uniform int scaling_distances;
+uniform float point_noise;     // standard deviation of the points off their surfaces, scene units
+uniform float median_spacing;  // of the points, scene units
 
 const float fine_px = 2.5,
             coarse_px = 6.0;      // between points: their relief is seen; that between them would be
@@ -25,6 +35,9 @@ const float along_radii = 3.0;    // 4.2 px: beyond most dots
 const float within_radii = 0.25;  // eight neighbours tell the way to some 10 degrees
 const float own_way = 0.1;        // turns straight lines by 2 degrees at most
 const float steepest = 4.0;       // depth over width: of a surface, as in relief_pyramid.glsl
+const float well_opened = 0.35;   // radians
+const float most_sudden = 1.5;    // times what half the distance promises
+const float least_spacings = 1.0, enough_spacings = 2.0;
 
 float depth_at(ivec2 pixel, vec2 away) {
   ivec2 at = ivec2(floor(vec2(pixel) + 0.5 + away));
@@ -50,6 +63,42 @@ float goes_on(ivec2 pixel, vec2 away, vec2 along, float depth, float behind) {
   vec2 off = depth - behind - vec2(depth_at(pixel, away + along), depth_at(pixel, away - along));
   off = min(abs(off), 0.5 * abs(off.x + off.y));
   return dot(vec2(0.5), max(1.0 - 2.0 / behind * off, 0.0));
+}
+
+// Normal in eye space, 0 where there is none, and depth.
+vec4 surface_at(ivec2 pixel) {
+  ivec2 at = clamp(pixel, ivec2(0), textureSize(depth_image, 0) - 1);
+  return vec4(mat3(frame.eye_from_cloud) * texelFetch(normal_image, at, 0).xyz, texelFetch(depth_image, at, 0).x);
+}
+
+// By how much the normals to both sides open along an axis of the picture, radians where it is little; 0 where there is
+// not one surface.
+float opening(ivec2 pixel, float depth, int axis, int px, float reach) {
+  ivec2 away = axis == 0 ? ivec2(px, 0) : ivec2(0, -px);
+  vec4 a = surface_at(pixel + away), b = surface_at(pixel - away);
+  bool is_one = min(dot(a.xyz, a.xyz), dot(b.xyz, b.xyz)) > 0.25 && max(abs(a.w - depth), abs(b.w - depth)) < reach;
+  return is_one ? a[axis] - b[axis] : 0.0;
+}
+
+// How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts no more
+// than in proportion to that of half the distance, or there would be a band beside every crease, along which normals
+// turn at once. What an arc rises by, an eighth of its angle and length, counts above the noise of the points, softly
+// (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the picture: the angle is that
+// along the surface.
+float ridge_at(ivec2 pixel, float depth) {
+  vec3 own = surface_at(pixel).xyz;
+  if (dot(own, own) < 0.25) return 0.0;
+  float px = pixels_at(depth), sum = 0.0, before[2] = float[2](0.0, 0.0);  // angles over a pixel of distance
+  for (int k = 0; k < scaling_distances; ++k) {
+    float away = floor(scaling_px * exp2(0.5 * float(k)) + 0.5), reach = steepest * away / px;
+    float angle = 0.5 * (opening(pixel, depth, 0, int(away), reach) + opening(pixel, depth, 1, int(away), reach));
+    float most = max(most_sudden * away * sign(angle) * before[k % 2], 0.0), noise = 4.0 * point_noise * px / away;
+    before[k % 2] = angle / away;
+    if (k < 2) continue;
+    sum += sign(angle) * max(min(abs(angle), most) - noise, 0.0) *
+           smoothstep(least_spacings, enough_spacings, away / max(median_spacing * px, 1e-6));
+  }
+  return sum / float(scaling_distances - 2) * abs(dot(own, to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth))));
 }
 
 bool filter_pixel(ivec2 pixel) {
@@ -91,5 +140,11 @@ bool filter_pixel(ivec2 pixel) {
     shade *= exp(-darkest * (1.0 - exp(-exponent / darkest)));
   }
   out_0.rgb *= shade;
+  if (scaling > 0.0) {
+    // No ridge is lighter than white.
+    float lightest = max(max(out_0.r, out_0.g), max(out_0.b, 1e-6));
+    float gain = exp(scaling * tanh(ridge_at(pixel, depth) / well_opened));
+    out_0.rgb *= min(gain, max(out_0.a / lightest, 1.0));
+  }
   return true;
 }

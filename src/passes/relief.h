@@ -1,5 +1,5 @@
-// Eye-dome lighting and ambient occlusion, from the depth of a finished picture: one pass for all that has a
-// depth.
+// Eye-dome lighting, ambient occlusion and radiance scaling, from the depth and normals of a finished
+// picture: one pass for all that has a depth.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,8 @@ namespace sfumato {
 
 /// Darkens pixels that lie behind their neighbours (eye-dome lighting, Boucheny 2009) and those that what is
 /// around them hides from the sky (ambient occlusion in octaves, Hoang and Low 2012), as far as both exceed
-/// the noise of the depth, which is measured in the picture itself. Background neighbours do not count.
+/// the noise of the depth, which is measured in the picture itself; lightens ridges and darkens valleys
+/// (radiance scaling, Vergne et al. 2010). Background neighbours do not count.
 class Relief {
  public:
   struct Options {
@@ -23,12 +24,14 @@ class Relief {
     /// Of the points between which a surface was closed, scene units: where they are far apart on the screen,
     /// lower steps are none of theirs; 0 where nothing was closed.
     float spacing = 0;
-    float noise = 0;  ///< standard deviation of the points off their surfaces, scene units; 0: not measured
-    bool any() const { return edl_strength > 0 || occlusion > 0; }
+    float noise = 0;    ///< standard deviation of the points off their surfaces, scene units; 0: not measured
+    float scaling = 0;  ///< strength of radiance scaling
+    float median_spacing = 0;  ///< of the points, scene units: their normals show no finer shape
+    bool any() const { return edl_strength > 0 || occlusion > 0 || scaling > 0; }
   };
-  /// Reads all of `color` (premultiplied) and `depth`, writes `out`.
+  /// Reads all of `color` (premultiplied), `depth` and, for radiance scaling, `normal`; writes `out`.
   void run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
-           const gl::Texture& out);
+           const gl::Texture& normal, const gl::Texture& out);
 
   /// The first half of it: ambient occlusion alone, of squares.
   struct Openness {
@@ -41,6 +44,10 @@ class Relief {
   static float orthographic_distance(const View& view);
   /// Of eye-dome lighting in a picture so high.
   static float radius_px(const Options& options, int picture_height);
+  /// Over which the normals of radiance scaling open, to both sides of a pixel: the k-th of seven distances,
+  /// in half octaves. Of whole octaves each would end in a line beside an edge.
+  static int scaling_px(int k, int picture_height);
+  static constexpr int scaling_distances = 7;
 
   /// How far around itself a pixel sees, px.
   static int reach_px(const Options& options, int picture_height);

@@ -392,6 +392,8 @@ std::vector<Item> Session::resolve(const Look& look, RenderSettings& settings, c
   settings.edl.resolve(edl > 0);
   settings.edl_strength.resolve(edl > 0 ? edl : RenderSettings::usual_edl);
   settings.ambient_occlusion.resolve(settings.shading == Shading::lit ? RenderSettings::usual_occlusion : 0);
+  settings.radiance_scaling.resolve(
+      settings.shading == Shading::lit && !are_photographed_ ? RenderSettings::usual_scaling : 0);
   settings.smooth_outlines.resolve(settings.samples == 1 && has_hard_edges);
   if (casts_shadows(settings.shadows) && !shadow_box_) {
     std::vector<const PointCloud*> clouds;

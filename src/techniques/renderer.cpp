@@ -94,6 +94,7 @@ Relief::Options relief_options(std::span<const Item> items, const RenderSettings
   options.edl_radius = settings.edl_radius;
   options.occlusion = settings.ambient_occlusion.value();
   options.coarse = settings.photographed;
+  options.scaling = settings.radiance_scaling.value();
   return options;
 }
 
@@ -174,14 +175,10 @@ struct Renderer::State {
   explicit State(gl::Context& c) : context(c) {}
 
   Cloud& cloud_of(const Item& item) { return *clouds.at(item.cloud); }
-  /// The largest spacing of points between which a surface was closed, scene units; 0 where one item closes
-  /// none.
-  float closed_spacing(std::span<const Item> items) {
+  /// The largest of the clouds, scene units.
+  float median_spacing(std::span<const Item> items) {
     float spacing = 0;
-    for (const Item& item : items) {
-      if (!item.technique->closes_depth()) return 0;
-      spacing = std::max(spacing, cloud_of(item).gpu->median_spacing());
-    }
+    for (const Item& item : items) spacing = std::max(spacing, cloud_of(item).gpu->median_spacing());
     return spacing;
   }
   /// The largest of the clouds, scene units; 0 where none was measured.
@@ -370,8 +367,12 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
-  shot.relief.spacing = closed_spacing(shot.items), shot.relief.noise = surface_noise(shot.items);
-  post_processing.run(view, shot.relief, shot.with_smooth_outlines, target.color, target.depth, shot.timers);
+  shot.relief.median_spacing = median_spacing(shot.items), shot.relief.noise = surface_noise(shot.items);
+  const bool is_closed =
+      std::ranges::all_of(shot.items, [](const Item& item) { return item.technique->closes_depth(); });
+  shot.relief.spacing = is_closed ? shot.relief.median_spacing : 0;
+  post_processing.run(view, shot.relief, shot.with_smooth_outlines, target.color, target.depth, target.normal,
+                      shot.timers);
 }
 
 Renderer::Renderer(gl::Context& context) : state_(std::make_unique<State>(context)) {}
@@ -624,11 +625,11 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
             relief_options(items, settings),
             settings.smooth_outlines.value() && is_shaded(settings)};
   shot.merged = merged;
+  shot.wants_normal = wants.normal || shot.relief.scaling > 0;
   std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
     return a.technique->transparency() < b.technique->transparency();
   });
   if (samples == 1) {
-    shot.wants_normal = wants.normal;
     s.draw(shot, camera);
   } else {
     for (int i = 0; i < samples; ++i) {
@@ -636,10 +637,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
       s.average(i, samples, timers);
     }
     // Depths and normals are those of pixel centres.
-    if (wants.depth || wants.normal) {
-      shot.wants_normal = wants.normal;
-      s.draw(shot, camera);
-    }
+    if (wants.depth || wants.normal) s.draw(shot, camera);
   }
   const gl::Texture& color = samples == 1 ? s.target.color : s.averaged;
   if (wants.color) {

@@ -14,7 +14,7 @@ class FinishCpuTest : public GlTest {
  protected:
   /// Balls, a tilted wall with noise, a wire, a fence, holes, and nothing beside them; of a size that no tile
   /// or vector divides.
-  FinishCpuTest() : depth_(333, 201, INFINITY), color_(333, 201, vec4(0)) {
+  FinishCpuTest() : depth_(333, 201, INFINITY), color_(333, 201, vec4(0)), normal_(333, 201, vec4(0)) {
     std::mt19937 random(3);
     std::normal_distribution<float> noise(0, 0.004f);
     std::uniform_real_distribution<float> uniform(0, 1);
@@ -33,6 +33,9 @@ class FinishCpuTest : public GlTest {
         if (uniform(random) < 0.01f) d = 5;
         if (std::isfinite(d)) color_.at(x, y) = vec4(uniform(random), uniform(random), uniform(random), 1);
         if (x % 50 == 49) color_.at(x, y) *= 0.6f;  // half transparent
+        // Waves, and a few that are not known.
+        const vec3 n(0.6f * std::sin(0.1f * float(x)), -1, 0.4f * std::sin(0.17f * float(y)) + noise(random));
+        if (x % 37 != 3) normal_.at(x, y) = vec4(glm::normalize(n), 1);
       }
   }
   Image<vec4> finished(gl::Place place) {
@@ -43,10 +46,11 @@ class FinishCpuTest : public GlTest {
     camera.near_plane = 1, camera.far_plane = 20;
     if (whole_.x > depth_.width()) camera = camera.tile(128, 64, depth_.width(), depth_.height());
     gl::Texture color("color", GL_RGBA32F, depth_.width(), depth_.height()),
-        depth("depth", GL_R32F, depth_.width(), depth_.height());
-    color.upload(color_), depth.upload(depth_);
+        depth("depth", GL_R32F, depth_.width(), depth_.height()),
+        normal("normal", GL_RGBA32F, depth_.width(), depth_.height());
+    color.upload(color_), depth.upload(depth_), normal.upload(normal_);
     gl::Timers timers(false);
-    PostProcessing().run(View(camera, dvec3(0)), relief_, outlines_, color, depth, timers);
+    PostProcessing().run(View(camera, dvec3(0)), relief_, outlines_, color, depth, normal, timers);
     return color.download<vec4>();
   }
   /// Sums of weights and powers are rounded elsewhere; a step that is as high as what counts as one may fall
@@ -68,7 +72,7 @@ class FinishCpuTest : public GlTest {
   }
 
   Image<float> depth_;
-  Image<vec4> color_;
+  Image<vec4> color_, normal_;
   Relief::Options relief_;
   bool outlines_ = false;
   Projection projection_ = Projection::perspective;
@@ -88,18 +92,22 @@ TEST_F(FinishCpuTest, LooksAsByShaders) {
   expect_alike("of points far apart");
   relief_.edl_strength = 0;
   expect_alike("occlusion alone");
+  relief_.occlusion = 0, relief_.scaling = 0.5f;
+  expect_alike("ridges above the noise");
+  relief_.median_spacing = 0.04f;  // .8 to 3 px
+  expect_alike("ridges of points");
 }
 
 TEST_F(FinishCpuTest, Orthographic) {
   projection_ = Projection::orthographic;
-  outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 0.7f;
+  outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 0.7f, relief_.scaling = 0.25f;
   expect_alike("all");
 }
 
 // Lines, and squares of openness, are wider in pictures of more than 720 rows.
 TEST_F(FinishCpuTest, ATileOfALargePicture) {
   whole_ = {1920, 1600};
-  outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 1;
+  outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 1, relief_.scaling = 0.25f;
   expect_alike("all");
 }
 
@@ -108,8 +116,10 @@ TEST_F(FinishCpuTest, ATinyPicture) {
   Image<float> depth(5, 3, 7);
   depth.at(2, 1) = 6, depth.at(4, 2) = INFINITY;
   whole_ = {5, 3}, depth_ = depth, color_ = Image<vec4>(5, 3, vec4(0.5f, 0.4f, 0.3f, 1));
+  normal_ = Image<vec4>(5, 3, vec4(0, -1, 0, 1));
+  normal_.at(0, 1) = vec4(0.6f, -0.8f, 0, 1), normal_.at(3, 0) = vec4(0);
   color_.at(4, 2) = vec4(0);
-  outlines_ = true, relief_.edl_strength = 1, relief_.edl_radius = 9;
+  outlines_ = true, relief_.edl_strength = 1, relief_.edl_radius = 9, relief_.scaling = 1;
   expect_alike("all");
 }
 

@@ -1,4 +1,4 @@
-// Eye-dome lighting and ambient occlusion, of depths whose relief is known.
+// Eye-dome lighting, ambient occlusion and radiance scaling, of shapes whose relief is known.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -20,21 +20,31 @@ constexpr float nothing = INFINITY;
 class ReliefTest : public GlTest {
  protected:
   using DepthOf = std::function<double(int x, int y)>;
+  using NormalOf = std::function<dvec3(int x, int y)>;
 
-  /// The shade of white over depths seen from straight above.
-  Image<float> shade_of(const DepthOf& depth_of, int scale = 1) {
+  /// The shade of a colour over depths seen from straight above, of a side of `scale * size` px or of a tile
+  /// of so much of a picture 720 px high.
+  Image<float> shade_of(
+      const DepthOf& depth_of, int scale = 1, const NormalOf& normal_of = [](int, int) { return dvec3(0); },
+      bool is_tile = false, float color_of_all = 1) {
     const int side = scale * size;
     Image<float> depth(side, side);
+    Image<vec4> normal(side, side);
     for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) depth.at(x, y) = float(depth_of(x / scale, y / scale));
+      for (int x = 0; x < side; ++x) {
+        depth.at(x, y) = float(depth_of(x / scale, y / scale));
+        normal.at(x, y) = vec4(vec3(normal_of(x / scale, y / scale)), 1);
+      }
     gl::Texture color("color", GL_RGBA32F, side, side), depth_image("depth", GL_R32F, side, side),
-        out("out", GL_RGBA32F, side, side);
-    color.clear(vec4(1));
-    depth_image.upload(depth);
-    relief.run(View(camera_above(10, size * pixel, side), dvec3(0)), options, color, depth_image, out);
+        normal_image("normal", GL_RGBA32F, side, side), out("out", GL_RGBA32F, side, side);
+    color.clear(vec4(vec3(color_of_all), 1));
+    depth_image.upload(depth), normal_image.upload(normal);
+    const Camera camera = is_tile ? camera_above(10, 720 * pixel, 720 * scale).tile(0, 0, side, side)
+                                  : camera_above(10, size * pixel, side);
+    relief.run(View(camera, dvec3(0)), options, color, depth_image, normal_image, out);
     const Image<vec4> shaded = out.download<vec4>();
     Image<float> shade(side, side);
-    for (std::size_t i = 0; i < shade.size(); ++i) shade.data()[i] = shaded.data()[i].x;
+    for (std::size_t i = 0; i < shade.size(); ++i) shade.data()[i] = shaded.data()[i].x / color_of_all;
     return shade;
   }
   static double mean(const Image<float>& shade, int first, int last) {  // of columns
@@ -190,31 +200,105 @@ TEST_F(ReliefTest, NoiseIsNoRelief) {
 
 // A print shows what the preview showed.
 TEST_F(ReliefTest, LargePicturesAreShadedAsSmallOnes) {
-  options.edl_strength = 0.4f, options.occlusion = 0.7f;
+  options.edl_strength = 0.4f, options.occlusion = 0.7f, options.scaling = 0.25f;
   const auto hills = [](int x, int y) { return 9 + 0.3 * std::sin(0.2 * x) * std::sin(0.17 * y) + (x > 90); };
-  const auto at_720 = [&](int scale) {
-    // The picture is a tile of one that is so high.
-    Camera camera = camera_above(10, 720 * pixel, 720 * scale).tile(0, 0, size * scale, size * scale);
-    const int side = size * scale;
-    Image<float> depth(side, side);
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) depth.at(x, y) = float(hills(x / scale, y / scale));
-    gl::Texture color("color", GL_RGBA32F, side, side), depth_image("depth", GL_R32F, side, side),
-        out("out", GL_RGBA32F, side, side);
-    color.clear(vec4(1));
-    depth_image.upload(depth);
-    relief.run(View(camera, dvec3(0)), options, color, depth_image, out);
-    return out.download<vec4>();
+  const auto turned = [](int x, int y) {
+    return glm::normalize(dvec3(0.5 * std::cos(0.2 * x) * std::sin(0.17 * y), 0.4 * std::sin(0.2 * x), 1));
   };
-  const Image<vec4> small = at_720(1), large = at_720(4);
+  const Image<float> small = shade_of(hills, 1, turned, true, 0.5f),
+                     large = shade_of(hills, 4, turned, true, 0.5f);
   double difference = 0, relief_seen = 0;
   for (int y = 16; y < size - 16; ++y)
     for (int x = 16; x < size - 16; ++x) {
       double sum = 0;
-      for (int k = 0; k < 16; ++k) sum += double(large.at(4 * x + k % 4, 4 * y + k / 4).x) / 16;
-      difference += std::abs(sum - double(small.at(x, y).x));
-      relief_seen += 1 - double(small.at(x, y).x);
+      for (int k = 0; k < 16; ++k) sum += double(large.at(4 * x + k % 4, 4 * y + k / 4)) / 16;
+      difference += std::abs(sum - double(small.at(x, y)));
+      relief_seen += std::abs(1 - double(small.at(x, y)));
     }
   EXPECT_GT(relief_seen, 200);
   EXPECT_LT(difference, 0.35 * relief_seen);  // stairs of the enlarged depths have lines of their own
+}
+
+namespace {
+
+/// A ball, or a bowl, of a radius in px around the middle of the picture.
+double ball(int x, int y, double radius) {
+  const double u = x + 0.5 - size / 2, v = y + 0.5 - size / 2;
+  return std::sqrt(std::max(radius * radius - u * u - v * v, 0.0));
+}
+dvec3 normal_of_ball(int x, int y, double radius) {
+  return dvec3(x + 0.5 - size / 2, size / 2 - y - 0.5, ball(x, y, radius)) / radius;
+}
+bool is_on_ball(int x, int y, double radius) {  // with all that its normals are compared with
+  return std::hypot(x + 0.5 - size / 2, y + 0.5 - size / 2) < radius - 9;
+}
+
+}  // namespace
+
+// On a ball of R px normals open by 2 r / R over r px to both sides, along both axes; over 2, 4 and 8 px by
+// 28/3 / R in the mean.
+TEST_F(ReliefTest, RidgesAreLightenedAndValleysDarkenedByTheirClosedForm) {
+  options.scaling = 0.25f;
+  for (const double radius : {40.0, 60.0, 300.0})
+    for (const int side : {1, -1}) {
+      const Image<float> shade = shade_of(
+          [&](int x, int y) { return 12 - side * pixel * ball(x, y, radius); }, 1,
+          [&](int x, int y) { return normal_of_ball(x, y, radius) * dvec3(side, side, 1); }, false, 0.3f);
+      for (int y = 10; y < size - 10; ++y)
+        for (int x = 10; x < size - 10; ++x) {
+          if (!is_on_ball(x, y, radius)) continue;
+          const double slanted = ball(x, y, radius) / radius, angle = side * 9.2 / radius * slanted;
+          ASSERT_NEAR(shade.at(x, y), std::exp(0.25 * std::tanh(angle / 0.35)), 2e-4)
+              << radius << ' ' << side << ' ' << x << ' ' << y;
+        }
+    }
+}
+
+TEST_F(ReliefTest, RidgesAreNeitherNoiseNorFinerThanThePoints) {
+  options.scaling = 0.25f;
+  const double radius = 200;
+  const auto at_middle = [&] {
+    return double(shade_of([&](int x, int y) { return 12 - pixel * ball(x, y, radius); }, 1,
+                           [&](int x, int y) { return normal_of_ball(x, y, radius); }, false, 0.3f)
+                      .at(size / 2, size / 2));
+  };
+  const auto gain = [](double angle) { return std::exp(0.25 * std::tanh(angle / 0.35)); };
+  EXPECT_NEAR(at_middle(), gain(9.2 / radius), 1e-4);
+  options.median_spacing = float(4 * pixel);  // of which 8 px are enough, 6 px half, 4 px none
+  EXPECT_NEAR(at_middle(), gain((16.0 + 0.5 * 12) / 5 / radius), 1e-4);
+  options.median_spacing = float(9 * pixel);
+  EXPECT_EQ(at_middle(), 1);
+  options.median_spacing = 0;
+  // Arcs of 16 px rise by 64 / 2R = .16 px, those of 12 px by .09, of 8 px by .04.
+  options.noise = float(0.06 * pixel);
+  EXPECT_NEAR(at_middle(), gain((16 / radius - 4 * 0.06 / 8 + 12 / radius - 4 * 0.06 / 6) / 5), 1e-4);
+  options.noise = float(0.17 * pixel);
+  EXPECT_EQ(at_middle(), 1);
+}
+
+TEST_F(ReliefTest, RidgesEndWhereTheSurfaceDoes) {
+  options.scaling = 1;
+  // A roof before a slope, beside nothing, and a strip without normals.
+  const auto depth = [](int x, int y) { return y < 24 ? double(nothing) : x < size / 2 ? 8.0 : 12.0; };
+  const auto normal = [](int x, int y) {
+    return y >= 96 ? dvec3(0) : x < size / 2 ? dvec3(0, 0, 1) : dvec3(0.6, 0, 0.8);
+  };
+  const Image<float> shade = shade_of(depth, 1, normal, false, 0.3f);
+  for (int y = 24; y < size; ++y)
+    for (int x = 0; x < size; ++x) ASSERT_EQ(shade.at(x, y), 1) << x << ' ' << y;
+  // What is white can be no lighter, and keeps its tone.
+  const Image<float> white = shade_of([](int x, int y) { return 12 - pixel * ball(x, y, 60); }, 1,
+                                      [](int x, int y) { return normal_of_ball(x, y, 60); });
+  EXPECT_EQ(white.at(size / 2, size / 2), 1);
+}
+
+// Over 8 px normals turn beside a crease too, but nothing that half of it promises.
+TEST_F(ReliefTest, CreasesHaveNoBands) {
+  options.scaling = 1;
+  const Image<float> shade =
+      shade_of([](int x, int) { return 8 + 0.75 * pixel * std::abs(x + 0.5 - size / 2); }, 1,
+               [](int x, int) { return dvec3(x < size / 2 ? -0.6 : 0.6, 0, 0.8); }, false, 0.3f);
+  EXPECT_GT(mean(shade, size / 2 - 1, size / 2 + 1), 1.5);
+  EXPECT_NEAR(mean(shade, size / 2 + 4, size - 9), 1, 1e-6);
+  EXPECT_NEAR(mean(shade, 9, size / 2 - 4), 1, 1e-6);
 }

@@ -174,6 +174,55 @@ TEST_P(SharedLight, ReliefDarkensTheColoursAndNothingElse) {
   EXPECT_GT(hollows, 200) << "the floor around the ball";
 }
 
+// Radiance scaling, from the normals and depths that the picture hands out.
+TEST_P(SharedLight, RidgesAreLightenedByTheTurnOfNormals) {
+  settings.phong.ambient.user = 0.6f;
+  const RenderOutput plain = render();
+  settings.radiance_scaling.user = 0.5f;
+  const RenderOutput out = render();
+  const dmat4 view = camera.view();
+  int lighter = 0, checked = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const vec4 before = plain.color_linear.at(x, y), after = out.color_linear.at(x, y);
+      ASSERT_EQ(before.a, after.a);
+      if (before.a < 0.999f || before.r < 0.02f || std::isinf(out.depth.at(x, y))) continue;
+      const double depth = out.depth.at(x, y),
+                   px = camera.pixels_per_unit() / (camera.orthographic() ? 1 : depth);
+      double sum = 0;
+      std::vector<double> angles;
+      const std::vector<int> distances = {1, 1, 2, 3, 4, 6, 8};
+      for (std::size_t k = 0; k < distances.size(); ++k) {
+        const int r = distances[k];
+        double angle = 0;
+        for (const int axis : {0, 1}) {
+          const int ax = std::clamp(x + (axis == 0 ? r : 0), 0, camera.width - 1),
+                    ay = std::clamp(y - (axis == 1 ? r : 0), 0, camera.height - 1),
+                    bx = std::clamp(x - (axis == 0 ? r : 0), 0, camera.width - 1),
+                    by = std::clamp(y + (axis == 1 ? r : 0), 0, camera.height - 1);
+          const vec3 a = out.normal.at(ax, ay), b = out.normal.at(bx, by);
+          const double step = std::max(std::abs(double(out.depth.at(ax, ay)) - depth),
+                                       std::abs(double(out.depth.at(bx, by)) - depth));
+          if (glm::dot(a, a) < 0.25f || glm::dot(b, b) < 0.25f || !(step < 4 * r / px)) continue;
+          const dvec3 eye_a(view * glm::dvec4(dvec3(a), 0)), eye_b(view * glm::dvec4(dvec3(b), 0));
+          angle += (eye_a[axis] - eye_b[axis]) / 2;
+        }
+        angles.push_back(angle);
+        if (k < 2) continue;
+        const double promised = 1.5 * r / distances[k - 2] * angles[k - 2];
+        if (angle * promised > 0) sum += std::abs(angle) < std::abs(promised) ? angle : promised;
+      }
+      const dvec3 n(out.normal.at(x, y)), place = world_position(camera, x, y, depth);
+      const double turned = std::exp(0.5 * std::tanh(sum / 5 * std::abs(glm::dot(n, to_eye(place))) / 0.35)),
+                   gain = std::min(turned, std::max(1.0, 1 / double(before.r)));  // red is the lightest
+      ++checked, lighter += after.r > 1.05f * before.r;
+      // The noise that is measured of points on a ball and a floor, some thousandths, takes a little of it.
+      ASSERT_NEAR(after.r / before.r, gain, 0.02) << x << ' ' << y;
+    }
+  EXPECT_GT(checked, 1000);
+  EXPECT_GT(lighter, 100) << "the ball";
+}
+
 INSTANTIATE_TEST_SUITE_P(Techniques, SharedLight,
                          ::testing::Values(Case{"points", false}, Case{"points", true}, Case{"splats", false},
                                            Case{"splats", true}, Case{"surface", false},
