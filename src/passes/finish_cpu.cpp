@@ -204,13 +204,12 @@ struct ReliefLoop {
       for (int i = 0; i < lanes; ++i) {
         const float pixels = pixels_at(own[i]), noise = 4 * look.noise * pixels / float(px);
         const float spacings = float(px) / std::max(look.median_spacing * pixels, 1e-6f);
-        const float promised = most_sudden * float(px) * before[k % 2][i],
-                    most = std::max(std::copysign(1.0f, angles[i]) * promised, 0.0f);
+        const float promised = most_sudden * float(px) * before[k % 2][i];
+        if (k >= 2) angles[i] = std::clamp(angles[i], std::min(promised, 0.0f), std::max(promised, 0.0f));
         before[k % 2][i] = angles[i] / float(px);
-        const float angle = std::max(std::min(std::abs(angles[i]), most) - noise, 0.0f);
         if (k >= 2)
-          ridges[i] +=
-              std::copysign(angle, angles[i]) * glm::smoothstep(least_spacings, enough_spacings, spacings);
+          ridges[i] += std::copysign(std::max(std::abs(angles[i]) - noise, 0.0f), angles[i]) *
+                       glm::smoothstep(least_spacings, enough_spacings, spacings);
       }
     }
     for (int i = 0; i < lanes; ++i)

@@ -80,9 +80,9 @@ float opening(ivec2 pixel, float depth, int axis, int px, float reach) {
   return is_one ? a[axis] - b[axis] : 0.0;
 }
 
-// How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts no more
-// than in proportion to that of half the distance, or there would be a band beside every crease, along which normals
-// turn at once. What an arc rises by, an eighth of its angle and length, counts above the noise of the points, softly
+// How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts little
+// more than in proportion to that of half the distance, or there would be a band beside every crease, along which
+// normals turn at once. What an arc rises by, an eighth of its angle and length, counts above the noise of the points, softly
 // (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the picture: the angle is that
 // along the surface.
 float ridge_at(ivec2 pixel, float depth) {
@@ -92,10 +92,11 @@ float ridge_at(ivec2 pixel, float depth) {
   for (int k = 0; k < scaling_distances; ++k) {
     float away = floor(scaling_px * exp2(0.5 * float(k)) + 0.5), reach = steepest * away / px;
     float angle = 0.5 * (opening(pixel, depth, 0, int(away), reach) + opening(pixel, depth, 1, int(away), reach));
-    float most = max(most_sudden * away * sign(angle) * before[k % 2], 0.0), noise = 4.0 * point_noise * px / away;
+    float promised = most_sudden * away * before[k % 2], noise = 4.0 * point_noise * px / away;
+    if (k >= 2) angle = clamp(angle, min(promised, 0.0), max(promised, 0.0));
     before[k % 2] = angle / away;
     if (k < 2) continue;
-    sum += sign(angle) * max(min(abs(angle), most) - noise, 0.0) *
+    sum += sign(angle) * max(abs(angle) - noise, 0.0) *
            smoothstep(least_spacings, enough_spacings, away / max(median_spacing * px, 1e-6));
   }
   return sum / float(scaling_distances - 2) * abs(dot(own, to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth))));

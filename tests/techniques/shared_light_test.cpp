@@ -207,10 +207,13 @@ TEST_P(SharedLight, RidgesAreLightenedByTheTurnOfNormals) {
           const dvec3 eye_a(view * glm::dvec4(dvec3(a), 0)), eye_b(view * glm::dvec4(dvec3(b), 0));
           angle += (eye_a[axis] - eye_b[axis]) / 2;
         }
+        if (k >= 2) {
+          const double promised = 1.5 * r / distances[k - 2] * angles[k - 2];
+          angle =
+              angle * promised > 0 ? std::copysign(std::min(std::abs(angle), std::abs(promised)), angle) : 0;
+          sum += angle;
+        }
         angles.push_back(angle);
-        if (k < 2) continue;
-        const double promised = 1.5 * r / distances[k - 2] * angles[k - 2];
-        if (angle * promised > 0) sum += std::abs(angle) < std::abs(promised) ? angle : promised;
       }
       const dvec3 n(out.normal.at(x, y)), place = world_position(camera, x, y, depth);
       const double turned = std::exp(0.5 * std::tanh(sum / 5 * std::abs(glm::dot(n, to_eye(place))) / 0.35)),
