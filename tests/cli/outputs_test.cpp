@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 namespace {
 
 constexpr bool is_sanitized() {
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return true;
 #else
   return false;
@@ -156,6 +156,34 @@ TEST_F(CommandTest, VideosAreMadeByFfmpegOrRefusedBeforeAnythingIsRead) {
                 .code,
             6);
   EXPECT_EQ(files(), (std::vector<std::string>{"cube.ply", "orbit.mp4"}));
+}
+
+/// src/apps/cli/allocation.h, seen by a program that it starts.
+TEST_F(CommandTest, MemoryIsTakenInLargePagesUnlessTheUserHasAWay) {
+  if (is_sanitized()) GTEST_SKIP() << "sanitizers have their own allocation";
+  write_cube("cube.ply", 4);
+  write("ffmpeg",
+        "#!/bin/sh\n"
+        "tr '\\0' '\\n' < /proc/$PPID/environ | grep GLIBC_TUNABLES > of_command.txt\n"
+        "cat /proc/$PPID/comm >> of_command.txt\n"
+        "echo \"${GLIBC_TUNABLES-none}\" > own.txt\n"
+        "exec cat > /dev/null\n");
+  std::filesystem::permissions(path("ffmpeg"), std::filesystem::perms::owner_all);
+  const std::string before = std::getenv("PATH") ? std::getenv("PATH") : "";
+  setenv("PATH", (path("").string() + ":" + before).c_str(), 1);
+  const std::vector<std::string> words = {"cube.ply", "-t", "points",    "--path",       "orbit", "--frames",
+                                          "2",        "-o", "orbit.mp4", "--resolution", "32x32", "--quiet"};
+  unsetenv("GLIBC_TUNABLES");
+  run(words);
+  EXPECT_THAT(text("of_command.txt"), HasSubstr("GLIBC_TUNABLES=glibc.malloc.hugetlb=1"));
+  EXPECT_THAT(text("of_command.txt"), HasSubstr("\nsfumato\n"));
+  EXPECT_EQ(text("own.txt"), "none\n");
+  setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=7", 1);
+  run(words);
+  EXPECT_EQ(text("of_command.txt"), "GLIBC_TUNABLES=glibc.malloc.tcache_count=7\nsfumato\n");
+  EXPECT_EQ(text("own.txt"), "glibc.malloc.tcache_count=7\n");
+  unsetenv("GLIBC_TUNABLES");
+  setenv("PATH", before.c_str(), 1);
 }
 
 /// Of a file that cannot be read: code 2 would say that it was tried.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "allocation.h"
 #include "commands.h"
 #include "console.h"
 #include "core/version.h"
@@ -33,6 +34,7 @@ int fail(ErrorCode code, const char* what) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  cli::allocate_in_large_pages(argv);
   cli::catch_interrupt();
   setenv("EGL_LOG_LEVEL", "fatal", 0);  // our one line says what lacks, without Mesa's warnings before it
   try {
