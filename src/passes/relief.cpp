@@ -39,7 +39,9 @@ float Relief::radius_px(const Options& options, int picture_height) {
 }
 
 int Relief::scaling_px(int k, int picture_height) {
-  return int(std::floor(finest_scaling_px * widened(picture_height) * std::exp2(0.5f * float(k)) + 0.5f));
+  return int(std::floor(finest_scaling_px * widened(picture_height) * float(1 << k / 2) *
+                            (k % 2 == 0 ? 1.0f : 1.41421356f) +
+                        0.5f));
 }
 
 float Relief::orthographic_distance(const View& view) {

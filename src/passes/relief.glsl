@@ -81,23 +81,24 @@ float opening(ivec2 pixel, float depth, int axis, int px, float reach) {
 }
 
 // How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts little
-// more than in proportion to that of half the distance, or there would be a band beside every crease, along which
-// normals turn at once. What an arc rises by, an eighth of its angle and length, counts above the noise of the points, softly
+// more than in proportion to that of half the distance, where that is no shorter than the points are apart, or there
+// would be a band beside every crease, along which normals turn at once. What an arc rises by, an eighth of its angle and length, counts above the noise of the points, softly
 // (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the picture: the angle is that
 // along the surface.
 float ridge_at(ivec2 pixel, float depth) {
   vec3 own = surface_at(pixel).xyz;
   if (dot(own, own) < 0.25) return 0.0;
-  float px = pixels_at(depth), sum = 0.0, before[2] = float[2](0.0, 0.0);  // angles over a pixel of distance
+  float px = pixels_at(depth), sum = 0.0;
+  vec2 before[2] = vec2[2](vec2(0.0), vec2(0.0));  // angle over a pixel of distance, and how far that distance counts
   for (int k = 0; k < scaling_distances; ++k) {
-    float away = floor(scaling_px * exp2(0.5 * float(k)) + 0.5), reach = steepest * away / px;
+    float away = floor(scaling_px * float(1 << k / 2) * (k % 2 == 0 ? 1.0 : 1.41421356) + 0.5);
+    float reach = steepest * away / px, noise = 4.0 * point_noise * px / away;
     float angle = 0.5 * (opening(pixel, depth, 0, int(away), reach) + opening(pixel, depth, 1, int(away), reach));
-    float promised = most_sudden * away * before[k % 2], noise = 4.0 * point_noise * px / away;
-    if (k >= 2) angle = clamp(angle, min(promised, 0.0), max(promised, 0.0));
-    before[k % 2] = angle / away;
-    if (k < 2) continue;
-    sum += sign(angle) * max(abs(angle) - noise, 0.0) *
-           smoothstep(least_spacings, enough_spacings, away / max(median_spacing * px, 1e-6));
+    float promised = most_sudden * away * before[k % 2].x;
+    angle = mix(angle, clamp(angle, min(promised, 0.0), max(promised, 0.0)), before[k % 2].y);
+    float counts = smoothstep(least_spacings, enough_spacings, away / max(median_spacing * px, 1e-6));
+    before[k % 2] = vec2(angle / away, counts);
+    if (k >= 2) sum += sign(angle) * max(abs(angle) - noise, 0.0) * counts;
   }
   return sum / float(scaling_distances - 2) * abs(dot(own, to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth))));
 }

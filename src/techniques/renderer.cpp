@@ -175,11 +175,20 @@ struct Renderer::State {
   explicit State(gl::Context& c) : context(c) {}
 
   Cloud& cloud_of(const Item& item) { return *clouds.at(item.cloud); }
-  /// The largest of the clouds, scene units.
-  float median_spacing(std::span<const Item> items) {
+  /// The largest spacing of points between which a surface was closed, scene units; 0 where one item closes
+  /// none.
+  float closed_spacing(std::span<const Item> items) {
     float spacing = 0;
-    for (const Item& item : items) spacing = std::max(spacing, cloud_of(item).gpu->median_spacing());
+    for (const Item& item : items) {
+      if (!item.technique->closes_depth()) return 0;
+      spacing = std::max(spacing, cloud_of(item).gpu->median_spacing());
+    }
     return spacing;
+  }
+  /// Of the cloud with the most points: a few of another do not decide for all.
+  float median_spacing(std::span<const Item> items) {
+    const auto points = [&](const Item& item) { return cloud_of(item).gpu->size(); };
+    return cloud_of(*std::ranges::max_element(items, {}, points)).gpu->median_spacing();
   }
   /// The largest of the clouds, scene units; 0 where none was measured.
   float surface_noise(std::span<const Item> items) {
@@ -367,10 +376,8 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
     ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
-  shot.relief.median_spacing = median_spacing(shot.items), shot.relief.noise = surface_noise(shot.items);
-  const bool is_closed =
-      std::ranges::all_of(shot.items, [](const Item& item) { return item.technique->closes_depth(); });
-  shot.relief.spacing = is_closed ? shot.relief.median_spacing : 0;
+  shot.relief.spacing = closed_spacing(shot.items), shot.relief.noise = surface_noise(shot.items);
+  shot.relief.median_spacing = median_spacing(shot.items);
   post_processing.run(view, shot.relief, shot.with_smooth_outlines, target.color, target.depth, target.normal,
                       shot.timers);
 }

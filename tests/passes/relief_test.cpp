@@ -266,6 +266,13 @@ TEST_F(ReliefTest, RidgesAreNeitherNoiseNorFinerThanThePoints) {
   EXPECT_NEAR(at_middle(), gain(9.2 / radius), 1e-4);
   options.median_spacing = float(4 * pixel);  // of which 8 px are enough, 6 px half, 4 px none
   EXPECT_NEAR(at_middle(), gain((16.0 + 0.5 * 12) / 5 / radius), 1e-4);
+  // Dots of one normal each have no borders: within them nothing turns.
+  const Image<float> dots = shade_of(
+      [&](int x, int y) { return 12 - pixel * ball(x, y, radius); }, 1,
+      [&](int x, int y) { return normal_of_ball(x / 4 * 4 + 1, y / 4 * 4 + 1, radius); }, false, 0.3f);
+  for (int y = size / 2; y < size / 2 + 8; ++y)
+    for (int x = size / 2; x < size / 2 + 8; ++x)
+      EXPECT_NEAR(dots.at(x, y), gain((16.0 + 0.5 * 12) / 5 / radius), 0.004) << x << ' ' << y;
   options.median_spacing = float(9 * pixel);
   EXPECT_EQ(at_middle(), 1);
   options.median_spacing = 0;

@@ -1,5 +1,6 @@
 #include "allocation.h"
 
+#include <sys/auxv.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -25,6 +26,9 @@ void allocate_in_large_pages(char** argv) {
     if (std::string_view(ours).starts_with(given)) unsetenv(name);  // glibc 2.36 cuts it at its first colon
     return;
   }
+  // With rights of another user the loader takes the variable out; started by a loader by hand, the program
+  // is the loader.
+  if (getauxval(AT_SECURE) || !getauxval(AT_BASE)) return;
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   setenv(name, ours, 1);
