@@ -132,7 +132,7 @@ struct ReliefLoop {
     const float* neighbors[compass];
     for (int k = 0; k < compass; ++k) neighbors[k] = &depth.at(x + offsets[k].x, y + offsets[k].y);
     for (int i = 0; i < lanes; ++i) {
-      const float d = own[i], pixels = orthographic ? pixels_per_unit : pixels_per_unit / d;
+      const float d = own[i], pixels = pixels_at(d);
       const float scale = 1 / ((orthographic ? orthographic_distance : d) * 0.69314718f);
       const float lowest = -steepest * radius_px / pixels;
       float sum = 0;

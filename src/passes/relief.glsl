@@ -82,9 +82,9 @@ float opening(ivec2 pixel, float depth, int axis, int px, float reach) {
 
 // How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts little
 // more than in proportion to that of half the distance, where that is no shorter than the points are apart, or there
-// would be a band beside every crease, along which normals turn at once. What an arc rises by, an eighth of its angle and length, counts above the noise of the points, softly
-// (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the picture: the angle is that
-// along the surface.
+// would be a band beside every crease, along which normals turn at once. What an arc rises by, an eighth of its angle and
+// length, counts above the noise of the points, softly (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface
+// turn so much faster in the picture: the angle is that along the surface.
 float ridge_at(ivec2 pixel, float depth) {
   vec3 own = surface_at(pixel).xyz;
   if (dot(own, own) < 0.25) return 0.0;

@@ -185,6 +185,13 @@ struct Renderer::State {
     }
     return spacing;
   }
+  /// Where not, radiance scaling has nothing to read. A closed surface has normals.
+  bool has_normals(const Shot& shot) {
+    return std::ranges::any_of(shot.items, [&](const Item& item) {
+      return item.technique->closes_depth() ||
+             (shot.merged ? !shot.merged->normals.empty() : cloud_of(item).gpu->has_normals());
+    });
+  }
   /// Of the cloud with the most points: a few of another do not decide for all.
   float median_spacing(std::span<const Item> items) {
     const auto points = [&](const Item& item) { return cloud_of(item).gpu->size(); };
@@ -632,6 +639,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
             relief_options(items, settings),
             settings.smooth_outlines.value() && is_shaded(settings)};
   shot.merged = merged;
+  if (!s.has_normals(shot)) shot.relief.scaling = 0;
   shot.wants_normal = wants.normal || shot.relief.scaling > 0;
   std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
     return a.technique->transparency() < b.technique->transparency();

@@ -235,8 +235,8 @@ bool is_on_ball(int x, int y, double radius) {  // with all that its normals are
 
 }  // namespace
 
-// On a ball of R px normals open by 2 r / R over r px to both sides, along both axes; over 2, 4 and 8 px by
-// 28/3 / R in the mean.
+// On a ball of R px normals open by 2 r / R over r px to both sides, along both axes; over 2, 3, 4, 6 and 8
+// px by 9.2 / R in the mean.
 TEST_F(ReliefTest, RidgesAreLightenedAndValleysDarkenedByTheirClosedForm) {
   options.scaling = 0.25f;
   for (const double radius : {40.0, 60.0, 300.0})
