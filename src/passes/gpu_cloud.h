@@ -59,8 +59,8 @@ class GpuCloud {
   void show(std::shared_ptr<const ResidentCloud> cloud, Attributes needs);
   /// SharedCloud::complete of the cloud that it shows.
   template <class Lacks, class Add>
-  void complete(SharedCloud& shared, const Lacks& lacks, const Add& add) {
-    shared.complete(resident_, lacks, add);
+  void complete(SharedCloud& shared, bool is_alone, const Lacks& lacks, const Add& add) {
+    shared.complete(resident_, is_alone, lacks, add);
     look_serial_ = ResidentCloud::next_serial();
   }
   bool has_normals() const {

@@ -199,10 +199,9 @@ std::shared_ptr<const ResidentCloud> SharedCloud::newest() const {
   return newest_;
 }
 
-SharedCloud::Taken SharedCloud::take(const std::shared_ptr<const ResidentCloud>& own) const {
+SharedCloud::Taken SharedCloud::take(bool is_alone) const {
   const std::lock_guard lock(mutex_);
-  const bool is_mine = newest_.use_count() == (own == newest_ ? 2 : 1);  // no other renderer draws it
-  return {is_mine ? cloud_ : std::make_shared<PreparedCloud>(*cloud_), cloud_->available,
+  return {is_alone ? cloud_ : std::make_shared<PreparedCloud>(*cloud_), cloud_->available,
           cloud_->cloud.scalars.size()};
 }
 

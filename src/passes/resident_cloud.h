@@ -119,12 +119,14 @@ class SharedCloud {
   explicit SharedCloud(PreparedCloud cloud, std::uint32_t max_chunk_points = 0);
   std::shared_ptr<const ResidentCloud> newest() const;
   /// Adds attributes: `add` gets the cloud where `lacks` is true of the newest. `own`, what the caller holds
-  /// of it, becomes the newest. A cloud that nobody else holds is not copied for it.
+  /// of it, becomes the newest. `is_alone`: no other renderer looks at this cloud, so that it is not copied:
+  /// who holds an older set of attributes may ask for the newest meanwhile.
   template <class Lacks, class Add>
-  void complete(std::shared_ptr<const ResidentCloud>& own, const Lacks& lacks, const Add& add) {
+  void complete(std::shared_ptr<const ResidentCloud>& own, bool is_alone, const Lacks& lacks,
+                const Add& add) {
     const std::lock_guard completing(completing_);
     if (lacks(newest()->prepared())) {
-      Taken taken = take(own);
+      Taken taken = take(is_alone);
       try {
         add(*taken.cloud);
       } catch (...) {
@@ -143,7 +145,7 @@ class SharedCloud {
     Attributes had;
     std::size_t had_scalars;
   };
-  Taken take(const std::shared_ptr<const ResidentCloud>& own) const;
+  Taken take(bool is_alone) const;
   void put(const Taken& taken);
 
   std::mutex completing_;

@@ -436,7 +436,7 @@ void Renderer::complete(std::size_t cloud, const std::function<bool(const Prepar
   State::Cloud& own = *state_->clouds.at(cloud);
   if (!lacks(own.prepared())) return;
   const gl::Context::Use use(state_->context);
-  own.gpu->complete(*own.shared, lacks, add);
+  own.gpu->complete(*own.shared, own.shared.use_count() == 1, lacks, add);
 }
 
 void Renderer::forget_programs() {

@@ -7,6 +7,8 @@
 #include <thread>
 #include <unistd.h>
 
+#include "analysis/prepare.h"
+#include "passes/resident_cloud.h"
 #include "reference/gl_fixture.h"
 #include "session/session.h"
 
@@ -97,6 +99,25 @@ TEST_F(SharedCloudTest, SideBySideOnTwoThreads) {
   }
   expect_same(of_first, first_alone_, "first");
   expect_same(of_second, second_alone_, "second");
+}
+
+TEST_F(SharedCloudTest, NoneSeesACloudThatIsBeingCompleted) {
+  // One of two looked at the cloud before the other had more measured, and more again.
+  const auto shared = std::make_shared<SharedCloud>(analysis::prepare(sphere_cloud(500), {}, {}));
+  std::shared_ptr<const ResidentCloud> own = shared->newest();
+  const std::shared_ptr<const ResidentCloud> older = own;
+  for (const Attributes added : {Attributes(Attribute::radius), Attributes(Attribute::uncertainty)}) {
+    const PreparedCloud* completed = nullptr;
+    shared->complete(
+        own, false, [](const PreparedCloud&) { return true; },
+        [&](PreparedCloud& cloud) {
+          EXPECT_NE(&shared->newest()->prepared(), &cloud);
+          cloud.available = cloud.available | added;
+          completed = &cloud;
+        });
+    EXPECT_EQ(&own->prepared(), completed);
+    EXPECT_FALSE(older->prepared().available.has(Attribute::uncertainty));
+  }
 }
 
 TEST_F(SharedCloudTest, TheFirstMayGo) {
