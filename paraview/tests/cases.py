@@ -1,6 +1,6 @@
 """The plugin in ParaView beside the command: pvbatch cases.py SFUMATO PLUGIN SCRATCH CASE [ARGUMENT...]
 
-Each case ends with "PASSED". On several ranks, the first runs it. Clouds are made here; the command reads them from a file.
+Each case ends with "PASSED". On several ranks, the first runs it. The case "server" is for pvpython, which pvbatch's server is not for. Clouds are made here; the command reads them from a file.
 """
 import ctypes
 import glob
@@ -45,6 +45,20 @@ def mine(places, how, rank, ranks):
     if how == "uneven": return i[i >= 100] if rank == 0 else i[:100] if rank == 1 else i[:0]
 '''
 exec(CLOUD)
+
+
+def connect(ranks):
+    """To a server of its own, on so many ranks."""
+    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-np", str(ranks)] if ranks > 1 else []
+    # pvpython is an MPI process itself: what it was told is not for others.
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMIX_"))}
+    server = subprocess.Popen([*launch, "pvserver", "--server-port=0"], env=environment, stdout=subprocess.PIPE, text=True)
+    port = next(re.search(r"Accepting.*:(\d+)$", line)[1] for line in server.stdout if "Accepting" in line)
+    pv.Connect("localhost", int(port))
+    pv.LoadPlugin(PLUGIN, remote=True, ns=globals())
+
+
+if CASE == "server": connect(int(ARGUMENTS[1]))
 pv.LoadPlugin(PLUGIN, remote=False, ns=globals())
 
 
@@ -395,6 +409,18 @@ def reader():
         assert series.GetDataInformation().GetNumberOfPoints() == count
         view.ViewTime = time
         same(shot(view, f"time{time}"), of_command(count, "points", file=names[time]), f"time {time}", OF_ONE_DEPTH)
+
+
+def server():
+    """What the ranks of a server draw, and what the client draws of their points: the command's picture."""
+    technique = ARGUMENTS[0]
+    view = view_of()
+    show(source(40000), view, technique)
+    for where, megabytes in {"server": 0, "client": 1e6}.items():
+        view.RemoteRenderThreshold = megabytes
+        pv.Render(view)
+        assert bool(view.GetClientSideObject().GetUseDistributedRenderingForRender()) == (where == "server")
+        same(shot(view, where), of_command(40000, technique), f"{technique}, by the {where}", ALIKE_OF[technique])
 
 
 globals()[CASE]()
