@@ -47,12 +47,16 @@ def mine(places, how, rank, ranks):
 exec(CLOUD)
 
 
+def start(ranks, *words, **environment):
+    """Another program, on so many ranks. This one is an MPI process itself: what it was told is not for others."""
+    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-np", str(ranks)] if ranks > 1 else []
+    own = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMIX_"))}
+    return subprocess.Popen([*launch, *words], env=own | environment, stdout=subprocess.PIPE, text=True)
+
+
 def connect(ranks):
     """To a server of its own, on so many ranks."""
-    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-np", str(ranks)] if ranks > 1 else []
-    # pvpython is an MPI process itself: what it was told is not for others.
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMIX_"))}
-    server = subprocess.Popen([*launch, "pvserver", "--server-port=0"], env=environment, stdout=subprocess.PIPE, text=True)
+    server = start(ranks, "pvserver", "--server-port=0")
     port = next(re.search(r"Accepting.*:(\d+)$", line)[1] for line in server.stdout if "Accepting" in line)
     pv.Connect("localhost", int(port))
     pv.LoadPlugin(PLUGIN, remote=True, ns=globals())
@@ -421,6 +425,32 @@ def server():
         pv.Render(view)
         assert bool(view.GetClientSideObject().GetUseDistributedRenderingForRender()) == (where == "server")
         same(shot(view, where), of_command(40000, technique), f"{technique}, by the {where}", ALIKE_OF[technique])
+
+
+def examples():
+    """Those of examples/paraview, as their first lines say; `in_situ`, where it is built, is the last argument."""
+    folder = os.path.join(os.path.dirname(__file__), "../../examples/paraview")
+    def run(ranks, *words, **environment):
+        assert start(ranks, *words, **environment).wait() == 0, words
+    def shows_something(name, size):
+        picture = pixels(os.path.join(SCRATCH, name))
+        assert picture.shape[:2] == size, picture.shape
+        background = picture[0, 0]
+        assert (np.abs(picture - background).max(axis=2) > 8).mean() > 0.05, name
+        return picture
+    tiles = [os.path.join(SCRATCH, f"tile_{i}.laz") for i in range(3)]
+    for i, tile in enumerate(tiles):
+        subprocess.run([COMMAND, "synth", "courtyard", "--points", str(20000 * (i + 1)), "--quiet", "-o", tile], check=True)
+    city = os.path.join(SCRATCH, "city.png")
+    run(2, "pvbatch", os.path.join(folder, "city.py"), PLUGIN, city, "640x360", *tiles)
+    shows_something("city.png", (360, 640))
+    run(1, "pvbatch", os.path.join(folder, "time_series.py"), PLUGIN, os.path.join(SCRATCH, "series", "step.png"), *tiles)
+    steps = [shows_something(f"series/step.{i:04d}.png", (720, 1280)) for i in range(3)]
+    assert (steps[0] != steps[2]).any()
+    if ARGUMENTS:
+        run(2, ARGUMENTS[0], os.path.join(folder, "in_situ.py"), "3", SFUMATO_PLUGIN=PLUGIN, PICTURES=SCRATCH)
+        first, last = (shows_something(f"step_{i:03d}.png", (480, 640)) for i in (0, 2))
+        assert (first != last).any()
 
 
 globals()[CASE]()
