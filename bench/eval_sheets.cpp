@@ -98,13 +98,13 @@ PointCloud sample(const Sheet& sheet, bool with_normals, double noise) {
   return cloud;
 }
 
-struct Sight {
+struct SensorView {
   Camera camera;
   Image<std::uint8_t> upper;  ///< the pixel shows the upper side, well inside its outline
 };
 
-Sight look(const Sheet& sheet, double elevation_deg) {
-  Sight sight;
+SensorView look(const Sheet& sheet, double elevation_deg) {
+  SensorView sight;
   sight.camera =
       frame(sheet.scene.box, UpAxis::pos_z, width, height, glm::radians(-30.0), glm::radians(elevation_deg));
   sight.camera.fov_y *= 0.7;
@@ -140,7 +140,7 @@ struct Shares {
   double wrong = 0, mixed = 0, holes = 0, pixels = 0, cpu_ms = 0;
 };
 
-void judge(const Sight& sight, const RenderOutput& out, Shares& shares) {
+void judge(const SensorView& sight, const RenderOutput& out, Shares& shares) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       if (!sight.upper.at(x, y)) continue;
@@ -158,7 +158,7 @@ void judge(const Sight& sight, const RenderOutput& out, Shares& shares) {
 void run(gl::Context& context, const Shape& shape, const std::vector<std::string>& techniques,
          const std::string& folder) {
   const Sheet sheet = make_sheet(shape);
-  const Sight sights[] = {look(sheet, 65), look(sheet, 25)};
+  const SensorView sights[] = {look(sheet, 65), look(sheet, 25)};
   for (bool with_normals : {true, false})
     for (double noise : {0.0, 0.1}) {
       const PointCloud cloud = sample(sheet, with_normals, noise);
@@ -177,7 +177,7 @@ void run(gl::Context& context, const Shape& shape, const std::vector<std::string
         settings.edl.user = false, settings.ambient_occlusion.user = 0;
         RenderWants wants;
         wants.color_linear = true;
-        for (const Sight& sight : sights) {
+        for (const SensorView& sight : sights) {
           const RenderOutput out = renderer.render(*technique, sight.camera, settings, wants);
           judge(sight, out, shares);
           if (folder.empty()) continue;

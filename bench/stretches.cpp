@@ -1,4 +1,4 @@
-// How long a picture keeps those waiting who call it off: the longest stretch between two questions to
+// How long a picture keeps those waiting who cancel it: the longest stretch between two questions to
 // Progress, while the file is opened (opening_ms and opening_busy_ms, on a line of their own) and on the
 // whole cloud at 1280x720 as the command draws it; one line of JSON for each technique:
 //   first_ms    of the first picture, which compiles shaders and computes what the technique derives

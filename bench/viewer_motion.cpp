@@ -43,7 +43,7 @@ struct Motion {
 class Desk {
  public:
   Desk(const std::string& file, const std::string& technique, int width, int height)
-      : window_(width, height, "motion"), bench_(start(file, technique)), interface_(window_, bench_) {
+      : window_(width, height, "motion"), model_(start(file, technique)), interface_(window_, model_) {
     window_.on_input = [this] {
       ImGuiIO& io = ImGui::GetIO();
       io.MousePos = mouse_;
@@ -64,7 +64,7 @@ class Desk {
     Motion motion;
     std::vector<double> latencies;
     std::deque<std::pair<double, dvec3>> asked;  // when the hand brought the camera where
-    std::shared_ptr<const view::Picture> last = bench_.picture();
+    std::shared_ptr<const view::Picture> last = model_.picture();
     mouse_ = {475, 350};
     frame();
     is_down_ = true;
@@ -74,10 +74,10 @@ class Desk {
     for (int k = 0; now_ms() - from < 1000 * seconds; ++k) {
       mouse_.x += k % 200 < 100 ? 3 : -3, mouse_.y += float(k % 5 - 2);
       frame();
-      asked.emplace_back(now_ms(), bench_.wishes().camera.position);
+      asked.emplace_back(now_ms(), model_.request().camera.position);
       if (asked.size() > 1000) asked.pop_front();
-      if (bench_.picture() == last) continue;
-      last = bench_.picture();
+      if (model_.picture() == last) continue;
+      last = model_.picture();
       if (++motion.pictures == 1) first = now_ms();
       for (const auto& [when, position] : asked)
         if (position == last->camera.position) {
@@ -93,29 +93,29 @@ class Desk {
     is_down_ = false;
     return motion;
   }
-  bool has_picture() const { return bench_.picture() != nullptr; }
-  bool settled() const { return bench_.settled(); }
+  bool has_picture() const { return model_.picture() != nullptr; }
+  bool settled() const { return model_.settled(); }
 
  private:
   view::Start start(const std::string& file, const std::string& technique) {
     view::Start start;
-    start.wishes.files = {file};
-    start.wishes.technique = technique;
+    start.request.files = {file};
+    start.request.technique = technique;
     start.wake = [] { viewer::Window::wake(); };
     return start;
   }
   /// As the window's own loop, with a mouse that reports 125 times a second.
   void frame() {
     window_.begin_frame(0.008);
-    bench_.tick(now_ms());
+    model_.tick(now_ms());
     interface_.draw(now_ms());
-    bench_.tick(now_ms());
-    window_.end_frame(now_ms(), bench_.moving());
-    if (bench_.fatal()) throw Error(bench_.fatal()->code, bench_.fatal()->message);
+    model_.tick(now_ms());
+    window_.end_frame(now_ms(), model_.moving());
+    if (model_.fatal()) throw Error(model_.fatal()->code, model_.fatal()->message);
   }
 
   viewer::Window window_;
-  view::Workbench bench_;
+  view::ViewModel model_;
   viewer::Interface interface_;
   ImVec2 mouse_{475, 350};
   bool is_down_ = false;

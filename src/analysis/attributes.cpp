@@ -20,7 +20,7 @@
 #include "analysis/quantiles.h"
 #include "analysis/range_image.h"
 #include "analysis/sides.h"
-#include "analysis/sight.h"
+#include "analysis/sensor_view.h"
 #include "analysis/stroke_attributes.h"
 #include "analysis/support.h"
 #include "analysis/vouched.h"

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "analysis/facets.h"
-#include "analysis/sight.h"
+#include "analysis/sensor_view.h"
 #include "core/order.h"
 
 namespace sfumato::analysis {
@@ -172,7 +172,8 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
   constexpr double of_photographs = 0.75;
   dvec3 along(0);
   along[axis] = positive ? 1 : -1;
-  const Sight sight = sight_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
+  const SensorView sight =
+      sensor_view_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
   if (sight.is_narrow()) return {};
   const double one = is_one_picture(sight), image = is_image(sight);
   const double before = std::max(one, sight.ahead && colored ? of_photographs : 0);

@@ -63,7 +63,7 @@ PointCloud places_only(const PointCloud& cloud) {
 
 }  // namespace
 
-Surroundings surroundings_of(const PointCloud& part, const CloudFacts& whole) {
+NeighborhoodFacts neighborhood_facts_of(const PointCloud& part, const CloudFacts& whole) {
   const PointCloud sorted = along_the_curve(places_only(part));
   const NeighborTree tree(sorted.positions);
   const auto around = [&](std::size_t places, std::size_t count) {
@@ -73,13 +73,13 @@ Surroundings surroundings_of(const PointCloud& part, const CloudFacts& whole) {
           neighborhoods_of(tree, part.origin, places_anywhere(whole), around_any_place)};
 }
 
-void merge(Surroundings& into, const Surroundings& of) {
+void merge(NeighborhoodFacts& into, const NeighborhoodFacts& of) {
   merge(into.dots, of.dots, around_dot_place);
   merge(into.noise, of.noise, around_noise_place);
   merge(into.anywhere, of.anywhere, around_any_place);
 }
 
-std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surroundings& around,
+std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const NeighborhoodFacts& around,
                                            const dvec3& origin) {
   auto whole = std::make_shared<WholeCloud>();
   whole->origin = origin, whole->points = facts.points;

@@ -1,8 +1,8 @@
 // What a part of a cloud has to know of the whole to be drawn as in a picture of all of it: facts that merge
 // (cloud_facts.h), in two rounds, because places are chosen before anybody looks around them.
 //
-//   CloudFacts facts = facts_of(part);                          merge those of all parts
-//   Surroundings around = surroundings_of(part, facts);         merge those of all parts
+//   CloudFacts facts = facts_of(part);                                   merge those of all parts
+//   NeighborhoodFacts around = neighborhood_facts_of(part, facts);   merge those of all parts
 //   sort_cloud(part, ..., whole_of(facts, around, origin))
 #pragma once
 
@@ -17,18 +17,18 @@ namespace sfumato::analysis {
 /// Of the discs of a cloud, those that are no larger than WholeCloud::large_radius.
 inline constexpr double large_share = 0.95;
 
-struct Surroundings {
+struct NeighborhoodFacts {
   Neighborhoods dots, noise;  ///< around places of the whole, for what is named so
   Neighborhoods anywhere;     ///< around places in its box (isolation.h)
-  bool operator==(const Surroundings&) const = default;
+  bool operator==(const NeighborhoodFacts&) const = default;
 };
 
 /// Of a part, in any order, at the places of the whole.
-Surroundings surroundings_of(const PointCloud& part, const CloudFacts& whole);
-void merge(Surroundings& into, const Surroundings& of);
+NeighborhoodFacts neighborhood_facts_of(const PointCloud& part, const CloudFacts& whole);
+void merge(NeighborhoodFacts& into, const NeighborhoodFacts& of);
 
 /// `origin`: that of all parts.
-std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Surroundings& around,
+std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const NeighborhoodFacts& around,
                                            const dvec3& origin);
 
 /// As `prepare`. What is computed from neighbours finds them among `around` too, points of other parts

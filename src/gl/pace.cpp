@@ -49,7 +49,7 @@ void Stretches::end(double ms) {
 }
 
 Pace::Pace(Progress& progress) : pacing_(current_pacing()), before_(nullptr) {
-  if (&progress == &no_progress()) pacing_ = nullptr;  // nobody can call it off
+  if (&progress == &no_progress()) pacing_ = nullptr;  // nobody can cancel it
   if (!pacing_) return;
   before_ = std::exchange(pacing_->progress, &progress);
   pacing_->stretches.forget();

@@ -84,13 +84,13 @@ void take(const py::dict& given, const char* name, T& to) {
   if (given.contains(name) && !given[name].is_none()) to = given[name].cast<T>();
 }
 
-py::object clusters(const CloudPtr& cloud, const py::dict& wishes, const py::object& progress) {
+py::object clusters(const CloudPtr& cloud, const py::dict& request, const py::object& progress) {
   analysis::ClusterOptions options;
-  take(wishes, "neighbors", options.neighbors), take(wishes, "min_size", options.min_size);
-  take(wishes, "point_threshold", options.point_threshold);
-  take(wishes, "region_threshold", options.region_threshold);
-  take(wishes, "gap", options.gap);
-  take(wishes, "angle", options.angle_deg), take(wishes, "bend", options.bend_deg);
+  take(request, "neighbors", options.neighbors), take(request, "min_size", options.min_size);
+  take(request, "point_threshold", options.point_threshold);
+  take(request, "region_threshold", options.region_threshold);
+  take(request, "gap", options.gap);
+  take(request, "angle", options.angle_deg), take(request, "bend", options.bend_deg);
   if (options.neighbors < 1 || options.min_size < 1)
     throw Error(ErrorCode::usage, "neighbors and min_size are at least 1");
   PreparedCloud prepared;

@@ -19,7 +19,7 @@ namespace py = pybind11;
 void bind_camera(py::module_& module);
 void bind_cloud(py::module_& module);
 void bind_analysis(py::module_& module);
-void bind_stage(py::module_& module);
+void bind_cloud_renderer(py::module_& module);
 void bind_levels(py::module_& module);
 void bind_looks(py::module_& module);
 void bind_request(py::module_& module);

@@ -57,7 +57,7 @@ PYBIND11_MODULE(_engine, module) {
   bind_request(module);
   bind_cloud(module);
   bind_analysis(module);
-  bind_stage(module);
+  bind_cloud_renderer(module);
   bind_levels(module);
   bind_looks(module);
   module.def("version", &sfumato::version);

@@ -31,9 +31,9 @@ Request request_of(const Settings& options, const std::optional<Camera>& start) 
   for (const auto& [name, text] : options) set_option(request, name, text);
   request.view.start = start;
   try {
-    settle_view(request);
-    settle_camera(request, "the camera");
-    settle_color(request);
+    resolve_view(request);
+    check_camera(request, "the camera");
+    check_color(request);
     (void)request.scene_options();
   } catch (const Error& error) {
     throw Error(error.code(), in_keywords(error.what()));

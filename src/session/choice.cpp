@@ -25,7 +25,7 @@ Choice::Choice(const std::string& names) {
   prepare.describe(prepare_parameters);
 }
 
-void Choice::settle(const TechniqueChoice& found) {
+void Choice::resolve(const TechniqueChoice& found) {
   if (!automatic()) return;
   const auto has_all = [&](ChosenTechnique& one, std::string* lacks) {
     for (const auto& [name, value] : given) {

@@ -16,15 +16,15 @@ namespace sfumato {
 struct ChosenTechnique : Look {
   using Look::Look;
   std::size_t place = 0;    ///< in the list of names
-  bool candidate = false;   ///< of `auto`: one of several with the same place, until `settle`
+  bool candidate = false;   ///< of `auto`: one of several with the same place, until `resolve`
   bool of_auto = false;     ///< before and after it
   std::string reason;       ///< why `auto` chose it
   float surface_share = 1;  ///< what it saw
 };
 
 struct Choice {
-  std::vector<std::unique_ptr<ChosenTechnique>> techniques;   ///< of `auto`, every candidate until `settle`
-  std::vector<std::unique_ptr<ChosenTechnique>> passed_over;  ///< by `settle`
+  std::vector<std::unique_ptr<ChosenTechnique>> techniques;   ///< of `auto`, every candidate until `resolve`
+  std::vector<std::unique_ptr<ChosenTechnique>> passed_over;  ///< by `resolve`
   std::size_t count = 0;                                      ///< of techniques that will be drawn
   std::vector<std::pair<std::string, std::string>> given;     ///< names and values, which `auto` must have
   analysis::PrepareOptions prepare;
@@ -38,7 +38,7 @@ struct Choice {
   bool automatic() const { return techniques.size() != count; }
   std::vector<const Look*> looks() const;
   /// Leaves of `auto` the technique that suits the scan, among those that have all parameters `given`.
-  void settle(const TechniqueChoice& found);
+  void resolve(const TechniqueChoice& found);
   /// Takes that back, for another scan.
   void reopen();
   /// The parameters of that name: of the techniques that have it, and of the analysis.

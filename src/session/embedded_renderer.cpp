@@ -14,7 +14,7 @@
 namespace sfumato {
 namespace {
 
-class CallOff final : public Progress {
+class CancelFlag final : public Progress {
  public:
   void update(double, std::string_view) override {}
   bool cancelled() const override { return is_up; }
@@ -54,7 +54,7 @@ struct EmbeddedRenderer::State {
                 answered_serial = 0;  ///< of the last request, and of the last that was answered or failed
   std::shared_ptr<const Answer> answer;
   std::exception_ptr failure;
-  CallOff call_off_picture, call_off_cloud;
+  CancelFlag picture_flag, cloud_flag;
   bool ends = false;
   gl::HostCanvas canvas;
   std::thread thread;
@@ -67,7 +67,7 @@ struct EmbeddedRenderer::State {
 void EmbeddedRenderer::State::paint(HeadlessRenderer& renderer, const PictureToDraw& request,
                                     std::uint64_t number) {
   Pictures pictures =
-      renderer.render(request.technique, request.camera, request.parameters, std::nullopt, call_off_picture);
+      renderer.render(request.technique, request.camera, request.parameters, std::nullopt, picture_flag);
   auto made = std::make_shared<Answer>(
       Answer{number, request.view, std::move(pictures.color), std::move(pictures.depth)});
   const std::lock_guard lock(mutex);
@@ -84,7 +84,7 @@ void EmbeddedRenderer::State::run() {
     std::optional<PictureToDraw> request;
     if (!next_cloud) request = std::exchange(waiting, std::nullopt);
     const std::uint64_t number = serial;
-    (next_cloud ? call_off_cloud : call_off_picture).is_up = false;
+    (next_cloud ? cloud_flag : picture_flag).is_up = false;
     lock.unlock();
     std::exception_ptr wrong;
     try {
@@ -92,7 +92,7 @@ void EmbeddedRenderer::State::run() {
         renderer.emplace().set_outputs({.linear = false, .normal = false});
         renderer->set_whole(true);  // what of the scene is hidden is the host's to say
       }
-      if (next_cloud) renderer->set_cloud(std::move(next_cloud->cloud), next_cloud->coloring, call_off_cloud);
+      if (next_cloud) renderer->set_cloud(std::move(next_cloud->cloud), next_cloud->coloring, cloud_flag);
       if (request) paint(*renderer, *request, number);
     } catch (const Cancelled&) {  // for what is newer
     } catch (...) {
@@ -119,7 +119,7 @@ EmbeddedRenderer::~EmbeddedRenderer() {
   {
     const std::lock_guard lock(state_->mutex);
     state_->ends = true;
-    state_->call_off_picture.is_up = state_->call_off_cloud.is_up = true;
+    state_->picture_flag.is_up = state_->cloud_flag.is_up = true;
   }
   state_->work.notify_all();
   state_->thread.join();
@@ -133,7 +133,7 @@ void EmbeddedRenderer::set_cloud(PointCloud cloud, const ColorSettings& coloring
     state_->cloud = {std::move(cloud), coloring};
     if (is_colored) state_->cloud->coloring.color_by = "rgb";
     state_->failure = nullptr;
-    state_->call_off_picture.is_up = state_->call_off_cloud.is_up = true;
+    state_->picture_flag.is_up = state_->cloud_flag.is_up = true;
     // The last request holds for the new points.
     state_->waiting = state_->asked;
     ++state_->serial;
@@ -150,7 +150,7 @@ void EmbeddedRenderer::request(const std::string& technique, const HostView& vie
     if (state_->asked && state_->asked->asks_for_same(next)) return;
     state_->asked = state_->waiting = std::move(next);
     ++state_->serial;
-    state_->call_off_picture.is_up = true;
+    state_->picture_flag.is_up = true;
   }
   state_->work.notify_all();
 }

@@ -162,10 +162,10 @@ std::vector<dvec3> drawn_for(const Camera& camera, const Subject& subject) {
 
 void fit(Camera& camera, const Subject& subject) { fit(camera, drawn_for(camera, subject)); }
 
-Subject within(const Subject& subject, const Surroundings& around) {
+Subject within(const Subject& subject, const Reach& around) {
   Subject near{{}, {}, {}, {}, subject.room};
   for (std::size_t i = 0; i < subject.points.size(); ++i)
-    if (subject.is_framed(i) && glm::distance(subject.points[i], around.place) <= around.reach)
+    if (subject.is_framed(i) && glm::distance(subject.points[i], around.place) <= around.radius)
       near.points.push_back(subject.points[i]);
   if (near.points.empty()) return subject;
   near.box = {near.points[0], near.points[0]};

@@ -35,13 +35,13 @@ struct Subject {
   bool is_framed(std::size_t i) const { return framed.empty() || framed[i]; }
 };
 
-/// What lies within reach of a place.
-struct Surroundings {
+/// What lies within a radius of a place.
+struct Reach {
   dvec3 place;
-  double reach;
+  double radius;
 };
 /// Those of the framed points of a subject that lie there, and their box.
-Subject within(const Subject& subject, const Surroundings& around);
+Subject within(const Subject& subject, const Reach& around);
 
 /// Where scanners stood, as far as the file says.
 std::vector<dvec3> scanners_of(const PointCloud& cloud);

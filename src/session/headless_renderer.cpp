@@ -37,7 +37,7 @@ struct HeadlessRenderer::State {
   void see(const Camera& camera, bool has_shadows, Progress& progress);
   void show(scene::Scene scene, Pose pose, Progress& progress);
   /// What `name` stands for: "auto" is what suits the points.
-  TechniqueChoice settle(const std::string& name);
+  TechniqueChoice resolve(const std::string& name);
 };
 
 void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, Progress& progress) {
@@ -58,7 +58,7 @@ void HeadlessRenderer::State::see(const Camera& camera, bool has_shadows, Progre
   seen = view;
 }
 
-TechniqueChoice HeadlessRenderer::State::settle(const std::string& name) {
+TechniqueChoice HeadlessRenderer::State::resolve(const std::string& name) {
   if (name != automatic_technique) return {name, {}};
   if (!choice) choice = session.suggest();
   return *choice;
@@ -116,7 +116,7 @@ Pictures HeadlessRenderer::render(const std::string& wanted, const Camera& camer
                                   Progress& progress) {
   State& s = *state_;
   if (s.session.empty()) throw Error(ErrorCode::usage, "nothing to render: call open or set_cloud first");
-  const TechniqueChoice chosen = s.settle(wanted);
+  const TechniqueChoice chosen = s.resolve(wanted);
   Look* look = &s.drawing.look_of(chosen.technique, parameters);
   if (s.opening) {
     s.see(camera, casts_shadows(look->settings.shadows), progress);  // which forgets the look

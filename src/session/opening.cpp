@@ -18,7 +18,7 @@ Opening::Opening(const Request& request, const std::vector<scene::SceneFile>& fi
   scene_ = steps.all ? std::move(*steps.all) : scene::read_all(files, options, progress);
   if (steps.see_all) steps.see_all(scene_);
   scene::narrow(scene_, files, options);
-  stand(progress);
+  find_pose(progress);
 }
 
 Opening::Opening(const Request& request, scene::LeveledScene files, Progress& progress)
@@ -28,7 +28,7 @@ Opening::Opening(const Request& request, scene::LeveledScene files, Progress& pr
 
 Opening::Opening(const Request& request, scene::Scene scene, Progress& progress)
     : request_(request), scene_(std::move(scene)) {
-  stand(progress);
+  find_pose(progress);
 }
 
 void Opening::read_overview(OpeningSteps steps, Progress& progress) {
@@ -42,11 +42,11 @@ void Opening::read_overview(OpeningSteps steps, Progress& progress) {
   if (steps.nodes) leveled_->keep_nodes(std::move(steps.nodes));
   if (steps.pose) leveled_->set_overview(std::move(steps.overview));
   if (steps.see_levels || !steps.pose) scene_ = leveled_->overview(progress, steps.see_levels);
-  if (!steps.pose) return stand(progress);
+  if (!steps.pose) return find_pose(progress);
   pose_ = std::move(*steps.pose);
 }
 
-void Opening::stand(Progress& progress) {
+void Opening::find_pose(Progress& progress) {
   progress.check();
   pose_ =
       stand_upright(scene_, request_.points.up, !request_.whole, request_.vertical_exaggeration(), progress);

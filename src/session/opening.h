@@ -62,7 +62,7 @@ class Opening {
 
  private:
   void read_overview(OpeningSteps steps, Progress& progress);
-  void stand(Progress& progress);
+  void find_pose(Progress& progress);
 
   Request request_;
   std::optional<scene::LeveledScene> leveled_;

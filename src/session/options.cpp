@@ -284,7 +284,7 @@ void add_output(Table& t) {
 void add_view(Table& t) {
   const auto vector = parse_vector;
   const auto positive = parse_positive;
-  const auto of_view = [](auto ViewWishes::*member) { return in(&Request::view, member); };
+  const auto of_view = [](auto CameraRequest::*member) { return in(&Request::view, member); };
   const auto direction = [](Text option, Text text) {
     const dvec3 v = parse_vector(option, text);
     if (glm::length(v) <= 0) throw Error(ErrorCode::usage, option + ": 0,0,0 is no direction");
@@ -294,32 +294,32 @@ void add_view(Table& t) {
     return [=](Text option, Text text) { return parse_degrees(option, text, low, high); };
   };
   t.group("View", Scope::camera);
-  t.value("--resolution", "WxH", "picture size in pixels (1280x720)", of_view(&ViewWishes::size),
+  t.value("--resolution", "WxH", "picture size in pixels (1280x720)", of_view(&CameraRequest::size),
           [](Text option, Text text) { return parse_resolution(option, text); })
       .python("size", "size")
       .served();
   t.value("--view", "front|back|left|right|top|bottom|iso", "the side to look from",
-          of_view(&ViewWishes::side), [](Text option, Text text) { return find_view(text, option), text; })
+          of_view(&CameraRequest::side), [](Text option, Text text) { return find_view(text, option), text; })
       .python("text", "side")
       .served();
-  t.value("--zoom", "F", "show things F times as large (1)", of_view(&ViewWishes::zoom), positive)
+  t.value("--zoom", "F", "show things F times as large (1)", of_view(&CameraRequest::zoom), positive)
       .python("number")
       .served();
   t.value("--roll", "DEG", "turn the camera about its direction of view, counter-clockwise (0)",
-          of_view(&ViewWishes::roll), number)
+          of_view(&CameraRequest::roll), number)
       .python("number")
       .served();
-  t.value("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&ViewWishes::look_at),
+  t.value("--look-at", "X,Y,Z", "look at this place from the same side", of_view(&CameraRequest::look_at),
           vector)
       .is(Scope::command)
       .python("numbers")
       .served();
   t.value("--distance", "D", "distance from the camera to the place it looks at, scene units",
-          of_view(&ViewWishes::distance), positive)
+          of_view(&CameraRequest::distance), positive)
       .python("number")
       .served();
   t.value(
-       "--scale", "1:N", "print scale of an orthographic view", of_view(&ViewWishes::print_scale),
+       "--scale", "1:N", "print scale of an orthographic view", of_view(&CameraRequest::print_scale),
        [](Text option, Text text) {
          const double n = text.starts_with("1:") ? parse_number(option, text.substr(2)) : 0;
          if (!(n > 0)) throw Error(ErrorCode::usage, option + ": '" + text + "' is no scale; write 1:200");
@@ -329,7 +329,7 @@ void add_view(Table& t) {
       .is(Scope::view)
       .python("text");
   t.value("--dpi", "N", "pixels an inch on paper, kept in .png, .jpg and .tif (300 with --scale)",
-          of_view(&ViewWishes::dpi),
+          of_view(&CameraRequest::dpi),
           [](Text option, Text text) {
             const double dpi = parse_number(option, text);
             if (dpi > 0 && !(dpi >= 1 && dpi <= 100'000))
@@ -341,7 +341,7 @@ void add_view(Table& t) {
   t.value("--pixel-size", "D",
           "scene units per pixel of an orthographic view; without --resolution the picture is as large as "
           "the scan",
-          of_view(&ViewWishes::pixel_size), positive)
+          of_view(&CameraRequest::pixel_size), positive)
       .is(Scope::view)
       .python("number");
   t.value("--vertical-exaggeration", "F", "multiply heights by F; legends keep true heights (1)",
@@ -361,32 +361,32 @@ void add_view(Table& t) {
   t.text("--camera", "FILE.json", "position, target, up, fov_y_deg, width, height in world coordinates",
          &Request::camera_file)
       .is(Scope::command);
-  t.value("--camera-position", "X,Y,Z", "where the camera stands", of_view(&ViewWishes::position), vector)
+  t.value("--camera-position", "X,Y,Z", "where the camera stands", of_view(&CameraRequest::position), vector)
       .python("numbers", "position")
       .served();
-  t.value("--camera-focal-point", "X,Y,Z", "what it looks at", of_view(&ViewWishes::focal_point), vector)
+  t.value("--camera-focal-point", "X,Y,Z", "what it looks at", of_view(&CameraRequest::focal_point), vector)
       .python("numbers", "look_at")
       .served();
-  t.value("--camera-view-up", "X,Y,Z", "direction that is up in the picture", of_view(&ViewWishes::view_up),
-          direction)
+  t.value("--camera-view-up", "X,Y,Z", "direction that is up in the picture",
+          of_view(&CameraRequest::view_up), direction)
       .python("numbers", "view_up")
       .served();
-  t.value("--camera-direction", "X,Y,Z", "direction of view", of_view(&ViewWishes::direction), direction)
+  t.value("--camera-direction", "X,Y,Z", "direction of view", of_view(&CameraRequest::direction), direction)
       .python("numbers", "direction")
       .served();
   t.value("--camera-azimuth-angle", "DEG", "turn about the up axis, 0 from the front (what suits the scan)",
-          of_view(&ViewWishes::azimuth), number)
+          of_view(&CameraRequest::azimuth), number)
       .python("number", "azimuth")
       .served();
   t.value("--camera-elevation-angle", "DEG", "height above the horizon, -90 to 90 (what suits the scan)",
-          of_view(&ViewWishes::elevation), degrees_in(-90, 90))
+          of_view(&CameraRequest::elevation), degrees_in(-90, 90))
       .python("number", "elevation")
       .served();
   t.value("--camera-view-angle", "DEG", "full vertical angle: a smaller one zooms in (45)",
-          of_view(&ViewWishes::fov), degrees_in(0.001, 179))
+          of_view(&CameraRequest::fov), degrees_in(0.001, 179))
       .python("number", "fov")
       .served();
-  t.flag("--camera-orthographic", "orthographic projection", of_view(&ViewWishes::orthographic))
+  t.flag("--camera-orthographic", "orthographic projection", of_view(&CameraRequest::orthographic))
       .python("flag", "orthographic")
       .served();
 }

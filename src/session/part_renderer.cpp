@@ -61,11 +61,11 @@ class Worker {
 
 struct PartRenderer::State {
   std::optional<Drawing> drawing;
-  std::string settle(const std::string& technique) const {
+  std::string resolve(const std::string& technique) const {
     return technique == automatic_technique ? drawing->session.suggest().technique : technique;
   }
   Look& look_of(const std::string& technique, const Parameters& parameters) {
-    Look& look = drawing->look_of(settle(technique), parameters);
+    Look& look = drawing->look_of(resolve(technique), parameters);
     look.settings.transparent = true;
     return look;
   }
@@ -102,8 +102,8 @@ void PartRenderer::set_part(PointCloud part, std::shared_ptr<const WholeCloud> w
   });
 }
 
-std::string PartRenderer::settle(const std::string& technique) const {
-  return state_->worker.run([&] { return state_->settle(technique); });
+std::string PartRenderer::resolve(const std::string& technique) const {
+  return state_->worker.run([&] { return state_->resolve(technique); });
 }
 
 bool PartRenderer::merges(const std::string& technique, const Camera& camera, const Parameters& parameters) {

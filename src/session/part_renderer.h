@@ -32,7 +32,7 @@ class PartRenderer {
   void set_part(PointCloud part, std::shared_ptr<const WholeCloud> whole, const ColorSettings& coloring,
                 std::optional<Around> around = std::nullopt);
   /// "auto" as the technique that suits the whole.
-  std::string settle(const std::string& technique) const;
+  std::string resolve(const std::string& technique) const;
   /// Whether such a picture can be drawn part by part (Renderer::merges).
   bool merges(const std::string& technique, const Camera& camera, const Parameters& parameters);
   /// Whether the part has not yet all that it needs: what that is found from lies around the part, too.

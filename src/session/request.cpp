@@ -38,8 +38,8 @@ scene::SceneOptions Request::scene_options() const {
   return options;
 }
 
-void settle_view(Request& request) {
-  ViewWishes& view = request.view;
+void resolve_view(Request& request) {
+  CameraRequest& view = request.view;
   if (!view.side.empty()) {
     refuse_pair(view.azimuth || view.elevation,
                 "--view and --camera-azimuth-angle / --camera-elevation-angle");
@@ -83,7 +83,7 @@ void settle_view(Request& request) {
               "--camera-direction and --camera-position with --camera-focal-point");
 }
 
-void settle_color(const Request& request) {
+void check_color(const Request& request) {
   const ColorSettings& color = request.color;
   if (!color.solid) return;
   refuse_pair(color.color_by != "auto", "--color and --color-by");
@@ -94,8 +94,8 @@ void settle_color(const Request& request) {
       refuse_request(std::string(option) + " does not go with --color, which paints every point alike");
 }
 
-void settle_camera(const Request& request, const std::string& whose) {
-  const ViewWishes& view = request.view;
+void check_camera(const Request& request, const std::string& whose) {
+  const CameraRequest& view = request.view;
   if (view.position && view.focal_point && *view.position == *view.focal_point)
     refuse_request("the camera's position and the place it looks at are the same point");
   if (!view.start || !view.start->custom_intrinsics) return;
@@ -111,7 +111,7 @@ void settle_camera(const Request& request, const std::string& whose) {
 
 void read_camera_file(Request& request) {
   if (!request.camera_file.empty()) request.view.start = io::read_camera(request.camera_file);
-  settle_camera(request, request.camera_file.empty() ? "the preset's camera" : request.camera_file);
+  check_camera(request, request.camera_file.empty() ? "the preset's camera" : request.camera_file);
 }
 
 }  // namespace sfumato

@@ -15,7 +15,7 @@
 #include "core/units.h"
 #include "scene/leveled_scene.h"
 #include "session/draw_rule.h"
-#include "session/view_wishes.h"
+#include "session/camera_request.h"
 
 namespace sfumato {
 
@@ -45,7 +45,7 @@ struct Request {
   std::string shader_folder;
 
   // From where.
-  ViewWishes view;
+  CameraRequest view;
   std::string camera_file;  ///< wins over the `view.start` of a preset
   bool whole = false;       ///< rooms with the walls before them
   bool panorama = false;
@@ -106,11 +106,12 @@ void set(Request& request, std::string_view name, const std::string& value);
 /// The value of the option of that name as `set` takes it; empty: as by default.
 std::string text_of(const Request& request, std::string_view name);
 
-/// Refuses what contradicts itself, before anything is read.
-void settle_view(Request& request);
-void settle_color(const Request& request);
+/// Refuses what contradicts itself, before anything is read; a named side becomes its angles, a panorama gets
+/// its size.
+void resolve_view(Request& request);
+void check_color(const Request& request);
 /// `whose`: the camera that `view.start` is.
-void settle_camera(const Request& request, const std::string& whose);
+void check_camera(const Request& request, const std::string& whose);
 /// Reads --camera FILE into `view.start`: a wrong one should not cost the time of reading a large scan.
 void read_camera_file(Request& request);
 

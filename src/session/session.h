@@ -1,5 +1,5 @@
 // From a scene that was read to pictures of it: analysis, colours and what is automatic, the same for every
-// front end, so that the same wishes give the same bytes everywhere.
+// front end, so that the same request give the same bytes everywhere.
 #pragma once
 
 #include <memory>

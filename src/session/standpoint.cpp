@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/sight.h"
+#include "analysis/sensor_view.h"
 
 namespace sfumato {
 namespace {
@@ -278,11 +278,11 @@ bool is_of_camera(const PointCloud& cloud, const Subject& subject, const dvec3& 
   for (const dvec3& axis : {dvec3(1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)})
     for (const double sign : {-1.0, 1.0}) {
       if (glm::dot(axis, up) != 0) continue;
-      const analysis::Sight sight = analysis::sight_of(subject.points, dvec3(0), sign * axis, up);
+      const analysis::SensorView seen = analysis::sensor_view_of(subject.points, dvec3(0), sign * axis, up);
       const bool is_optical = axis.z != 0 && up.y != 0;
-      if (sight.is_narrow()) continue;
-      const bool of_photographs = sight.ahead && sight.width < widest && !cloud.colors.empty();
-      if (sight.of_pixels || (is_optical && (of_photographs || is_image(sight) > 0.5))) return true;
+      if (seen.is_narrow()) continue;
+      const bool of_photographs = seen.ahead && seen.width < widest && !cloud.colors.empty();
+      if (seen.of_pixels || (is_optical && (of_photographs || is_image(seen) > 0.5))) return true;
     }
   return false;
 }
@@ -302,8 +302,9 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
   if (sensor.along == dvec3(0)) return std::nullopt;
   if (std::abs(glm::dot(sensor.along, up)) > steepest) return std::nullopt;
   if (!of_camera) {
-    const analysis::Sight sight = analysis::sight_of(subject.points, sensor.place, sensor.along, up);
-    if (is_one_picture(sight) < 0.5 || (!is_known && sight.is_narrow())) return std::nullopt;
+    const analysis::SensorView seen =
+        analysis::sensor_view_of(subject.points, sensor.place, sensor.along, up);
+    if (is_one_picture(seen) < 0.5 || (!is_known && seen.is_narrow())) return std::nullopt;
   }
   for (int step = 0; step < 3; ++step) {  // to the middle of what appears
     const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up, beyond_picture);

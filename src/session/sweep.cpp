@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "analysis/cloud_facts.h"
-#include "analysis/sight.h"
+#include "analysis/sensor_view.h"
 #include "core/order.h"
 
 namespace sfumato {

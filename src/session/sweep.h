@@ -11,7 +11,7 @@ namespace sfumato {
 /// A view that is fitted to what lies around a sensor: what is farther is drawn, and seen as far as it fits.
 struct SweepView {
   Standpoint from;
-  Surroundings around;
+  Reach around;
 };
 /// Of the views of a sweep the one over whose page its points are spread most evenly, if they are more so
 /// than over that of the usual view, which only sweeps ask for. `of_sensor`: that is a picture that the

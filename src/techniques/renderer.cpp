@@ -35,7 +35,7 @@ GpuCloud::Cut local(const Cut& cut, const dvec3& origin) {
 }
 
 /// What is drawn, and how, for each of the samples of a picture.
-struct Shot {
+struct SamplePass {
   std::vector<Item> items;         ///< in the order of drawing
   const RenderSettings& settings;  ///< of the scene
   gl::Timers& timers;
@@ -186,10 +186,10 @@ struct Renderer::State {
     return spacing;
   }
   /// Where not, radiance scaling has nothing to read. A closed surface has normals.
-  bool has_normals(const Shot& shot) {
-    return std::ranges::any_of(shot.items, [&](const Item& item) {
+  bool has_normals(const SamplePass& pass) {
+    return std::ranges::any_of(pass.items, [&](const Item& item) {
       return item.technique->closes_depth() ||
-             (shot.merged ? !shot.merged->normals.empty() : cloud_of(item).gpu->has_normals());
+             (pass.merged ? !pass.merged->normals.empty() : cloud_of(item).gpu->has_normals());
     });
   }
   /// Of the cloud with the most points: a few of another do not decide for all.
@@ -204,20 +204,20 @@ struct Renderer::State {
     return noise;
   }
   /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
-  Camera prepare(std::span<const Item> items, const Camera& asked);
+  Camera fit_camera(std::span<const Item> items, const Camera& asked);
   Ground ground_below_all() const;
   void make_target(const Camera& camera) {
     if (!target.color || target.color.width() != camera.width || target.color.height() != camera.height)
       target = Target(camera.width, camera.height);
   }
   /// One picture through pixel centres (of a camera that may be jittered) into `target`.
-  void draw(Shot& shot, const Camera& camera);
+  void draw(SamplePass& pass, const Camera& camera);
   /// One item into `into`; `behind`: what it lets through.
-  void draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light, Target& into,
+  void draw_item(SamplePass& pass, const Item& item, const Camera& camera, const Light& light, Target& into,
                  const Target* behind);
   /// Adds the target's colour, a share of the whole.
   void average(int sample, int samples, gl::Timers& timers);
-  /// How far a pixel of the finished picture sees. `camera`: as `prepare` gives it.
+  /// How far a pixel of the finished picture sees. `camera`: as `fit_camera` gives it.
   int reach_px(std::span<const Item> items, const Camera& camera, const RenderSettings& settings);
   std::uint64_t points_seen(std::span<const Item> items, const Camera& camera);
   /// Of tiles that all of them can draw with their overlap, px.
@@ -236,7 +236,7 @@ void Renderer::State::average(int sample, int samples, gl::Timers& timers) {
   if (sample + 1 < samples) std::swap(sum, averaged);
 }
 
-Camera Renderer::State::prepare(std::span<const Item> items, const Camera& asked) {
+Camera Renderer::State::fit_camera(std::span<const Item> items, const Camera& asked) {
   Bounds near, all;
   bool is_first = true;
   for (const Item& item : items) {
@@ -313,27 +313,27 @@ Ground Renderer::State::ground_below_all() const {
   return ground_below(sample);
 }
 
-void Renderer::State::draw_item(Shot& shot, const Item& item, const Camera& camera, const Light& light,
+void Renderer::State::draw_item(SamplePass& pass, const Item& item, const Camera& camera, const Light& light,
                                 Target& into, const Target* behind) {
   RenderSettings settings = *item.settings;
-  settings.background = shot.settings.background;
-  settings.transparent = shot.settings.transparent;
+  settings.background = pass.settings.background;
+  settings.transparent = pass.settings.transparent;
   Frame frame{*cloud_of(item).gpu, camera,      settings,     light, into,
-              shot.wants_normal,   shot.timers, shot.progress};
+              pass.wants_normal,   pass.timers, pass.progress};
   frame.behind = behind;
   const Camera whole = camera.whole_picture();
   frame.views = together.empty() ? std::span(&whole, 1) : std::span<const Camera>(together);
-  frame.visible = shot.visible, frame.merged = shot.merged;
-  while (!item.technique->render(frame)) shot.progress.check();
+  frame.visible = pass.visible, frame.merged = pass.merged;
+  while (!item.technique->render(frame)) pass.progress.check();
 }
 
-void Renderer::State::draw(Shot& shot, const Camera& camera) {
-  const RenderSettings& settings = shot.settings;
+void Renderer::State::draw(SamplePass& pass, const Camera& camera) {
+  const RenderSettings& settings = pass.settings;
   const PointCloud& first = clouds.front()->prepared().cloud;
   const View view(camera, first.origin);
   std::vector<GpuCloud*> all;
   bool is_empty = true;
-  for (const Item& item : shot.items) {
+  for (const Item& item : pass.items) {
     all.push_back(cloud_of(item).gpu.get());
     is_empty = is_empty && all.back()->size() == 0;
   }
@@ -346,47 +346,47 @@ void Renderer::State::draw(Shot& shot, const Camera& camera) {
   if (has_shadows && settings.shadows == Shadows::stored) {
     shadows.use_stored(all);
   } else if (has_shadows) {
-    for (const Item& item : shot.items) {
+    for (const Item& item : pass.items) {
       GpuCloud& cloud = *cloud_of(item).gpu;
-      cloud.set_casters(item.technique->casters(cloud, shot.progress));
+      cloud.set_casters(item.technique->casters(cloud, pass.progress));
     }
     if (has_ground) {
       ground_plane = ground_below_all();
       gl::ensure(ground_factor, "ground shadow", GL_R32F, camera.width, camera.height);
     }
-    shadows.update(all, settings, light, shot.timers, shot.progress, has_ground ? &view : nullptr,
+    shadows.update(all, settings, light, pass.timers, pass.progress, has_ground ? &view : nullptr,
                    ground_plane, has_ground ? &ground_factor : nullptr);
   } else {
     shadows.clear(all);
   }
 
-  draw_item(shot, shot.items.front(), camera, light, target, nullptr);
-  if (shot.visible) return;
-  for (const Item& item : std::span(shot.items).subspan(1)) {
+  draw_item(pass, pass.items.front(), camera, light, target, nullptr);
+  if (pass.visible) return;
+  for (const Item& item : std::span(pass.items).subspan(1)) {
     if (cloud_of(item).gpu->size() == 0) continue;
     gl::ensure(item_target.color, "item color", GL_RGBA32F, camera.width, camera.height);
     gl::ensure(item_target.depth, "item depth", GL_R32F, camera.width, camera.height);
     gl::ensure(item_target.normal, "item normal", GL_RGBA32F, camera.width, camera.height);
     const bool is_seen_through = item.technique->transparency() != Transparency::none;
-    draw_item(shot, item, camera, light, item_target, is_seen_through ? &target : nullptr);
+    draw_item(pass, item, camera, light, item_target, is_seen_through ? &target : nullptr);
     if (is_seen_through) {
       std::swap(target, item_target);
     } else {
-      auto timing = shot.timers.scope("merge");
-      merge.run(item_target, target, shot.wants_normal);
+      auto timing = pass.timers.scope("merge");
+      merge.run(item_target, target, pass.wants_normal);
     }
   }
 
   if (has_ground) {
-    auto timing = shot.timers.scope("ground");
+    auto timing = pass.timers.scope("ground");
     gl::ensure(finish_scratch, "finish scratch", GL_RGBA32F, camera.width, camera.height);
     ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
-  shot.relief.spacing = closed_spacing(shot.items), shot.relief.noise = surface_noise(shot.items);
-  shot.relief.median_spacing = median_spacing(shot.items);
-  post_processing.run(view, shot.relief, shot.with_smooth_outlines, target.color, target.depth, target.normal,
-                      shot.timers);
+  pass.relief.spacing = closed_spacing(pass.items), pass.relief.noise = surface_noise(pass.items);
+  pass.relief.median_spacing = median_spacing(pass.items);
+  post_processing.run(view, pass.relief, pass.with_smooth_outlines, target.color, target.depth, target.normal,
+                      pass.timers);
 }
 
 Renderer::Renderer(gl::Context& context) : state_(std::make_unique<State>(context)) {}
@@ -502,7 +502,7 @@ std::vector<RenderOutput> Renderer::render_together(std::span<const Item> items,
                                                     std::span<const Camera> cameras,
                                                     const RenderSettings& settings, const RenderWants& wants,
                                                     Progress& progress) {
-  struct Together {  // also where a picture is called off
+  struct Together {  // also where a picture is cancelled
     std::vector<Camera>& views;
     ~Together() { views.clear(); }
   } together{state_->together};
@@ -536,7 +536,7 @@ RenderOutput Renderer::render_rows(std::span<const Item> items, const Camera& as
                                       " px a side): ask for a smaller one");
   State& s = *state_;
   const gl::Context::Use use(s.context);
-  const Camera camera = s.prepare(items, asked);
+  const Camera camera = s.fit_camera(items, asked);
   const int reach = s.reach_px(items, camera, settings),
             overlap = std::min(reach, State::most_overlap(items));
   if (overlap < reach)
@@ -592,13 +592,13 @@ VisiblePoints Renderer::visible(Technique& technique, const Camera& asked, const
   const gl::Context::Use use(s.context);
   const gl::Pace pace(progress);
   const Item item{0, &technique, &settings};
-  const Camera camera = s.prepare({&item, 1}, asked);
+  const Camera camera = s.fit_camera({&item, 1}, asked);
   s.make_target(camera);
   gl::Timers timers(false);
-  Shot shot{{item}, settings, timers, progress, {}, false};
+  SamplePass pass{{item}, settings, timers, progress, {}, false};
   VisiblePoints visible;
-  shot.visible = &visible, shot.merged = merged;
-  s.draw(shot, camera);
+  pass.visible = &visible, pass.merged = merged;
+  s.draw(pass, camera);
   return visible;
 }
 
@@ -621,7 +621,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
       throw Error(ErrorCode::usage,
                   "this technique cannot show that shading: occlusion and hidden belong to surface, weight "
                   "to denoise; use that technique, or another shading");
-  const Camera camera = s.prepare(items, asked);
+  const Camera camera = s.fit_camera(items, asked);
   s.make_target(camera);
 
   RenderOutput out;
@@ -632,27 +632,27 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
   if (wants.color) gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
 
   // `auto` was resolved by those who ask for a finished picture: a frame in motion stays as it is.
-  Shot shot{{items.begin(), items.end()},
-            settings,
-            timers,
-            progress,
-            relief_options(items, settings),
-            settings.smooth_outlines.value() && is_shaded(settings)};
-  shot.merged = merged;
-  if (!s.has_normals(shot)) shot.relief.scaling = 0;
-  shot.wants_normal = wants.normal || shot.relief.scaling > 0;
-  std::stable_sort(shot.items.begin(), shot.items.end(), [](const Item& a, const Item& b) {
+  SamplePass pass{{items.begin(), items.end()},
+                  settings,
+                  timers,
+                  progress,
+                  relief_options(items, settings),
+                  settings.smooth_outlines.value() && is_shaded(settings)};
+  pass.merged = merged;
+  if (!s.has_normals(pass)) pass.relief.scaling = 0;
+  pass.wants_normal = wants.normal || pass.relief.scaling > 0;
+  std::stable_sort(pass.items.begin(), pass.items.end(), [](const Item& a, const Item& b) {
     return a.technique->transparency() < b.technique->transparency();
   });
   if (samples == 1) {
-    s.draw(shot, camera);
+    s.draw(pass, camera);
   } else {
     for (int i = 0; i < samples; ++i) {
-      s.draw(shot, jittered(camera, i, samples));
+      s.draw(pass, jittered(camera, i, samples));
       s.average(i, samples, timers);
     }
     // Depths and normals are those of pixel centres.
-    if (wants.depth || wants.normal) s.draw(shot, camera);
+    if (wants.depth || wants.normal) s.draw(pass, camera);
   }
   const gl::Texture& color = samples == 1 ? s.target.color : s.averaged;
   if (wants.color) {

@@ -49,7 +49,7 @@ class Loader::Work {
   bool ends_within(std::chrono::seconds time);
 
   void load(LoadJob job);
-  void call_off();
+  void cancel();
   std::optional<Loaded> take();
   Activity activity() const;
 
@@ -165,7 +165,7 @@ void Loader::Work::load(LoadJob job) {
   work_.notify_all();
 }
 
-void Loader::Work::call_off() {
+void Loader::Work::cancel() {
   const std::lock_guard lock(mutex_);
   job_.reset();
   loaded_.clear();
@@ -289,7 +289,7 @@ void Loader::Work::begin_whole(const LoadJob& job, io::ReadOptions& options, Wat
 }
 
 Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
-  tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was called off
+  tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was cancelled
   Loaded out;
   out.id = job.id;
   const Key key = key_of(job);
@@ -302,7 +302,7 @@ Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
   // What was decoded for the last views is not decoded again.
   if (job.anew || !nodes_ || nodes_key_ != levels_key) {
     nodes_ = std::make_shared<io::ChunkCache>(job.request.memory / scene::share_of_kept_nodes);
-    nodes_key_.reset();  // until the classes are known: this may be called off
+    nodes_key_.reset();  // until the classes are known: this may be cancelled
     // What is selected is not all that there is to select from.
     steps.see_levels = [&](const PointCloud& cloud) {
       classes_ = classes_of(cloud);
@@ -428,7 +428,7 @@ Loader::~Loader() {
 bool Loader::has_left_work() { return left_work; }
 
 void Loader::load(LoadJob job) { work_->load(std::move(job)); }
-void Loader::call_off() { work_->call_off(); }
+void Loader::cancel() { work_->cancel(); }
 std::optional<Loaded> Loader::take() { return work_->take(); }
 Activity Loader::activity() const { return work_->activity(); }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "session/opening.h"
-#include "view/painter.h"
+#include "view/render_client.h"
 
 namespace sfumato::view {
 
@@ -74,7 +74,7 @@ class Loader {
   /// The newest wins.
   void load(LoadJob job);
   /// Nobody waits for what is being read.
-  void call_off();
+  void cancel();
   /// In their order: a sample, where there is one, or the view coarsely, then the whole or what was wrong
   /// with it.
   std::optional<Loaded> take();

@@ -25,7 +25,7 @@ class Picks {
   void close_profile() { profile_.reset(); }
 
  private:
-  friend class Workbench;  // which asks for points and profiles, the newest of each
+  friend class ViewModel;  // which asks for points and profiles, the newest of each
   void add(Picked point) {
     if (!is_line_ && points_.size() > 2) points_.clear();  // after a line begins the next one
     points_.push_back(std::move(point));

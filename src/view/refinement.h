@@ -53,7 +53,7 @@ class Refinement {
   /// The picture that was begun could not be drawn: no other is asked for before the next change.
   void failed();
   /// It was cancelled for a newer one.
-  void called_off() { begun_.reset(); }
+  void cancel() { begun_.reset(); }
   /// The picture on the screen is the whole one.
   bool settled() const { return shown_ && *shown_ == ladder[0] && shown_change_ == change_; }
   /// Milliseconds until `next` can say something else; nothing: not before a change.

@@ -1,4 +1,5 @@
-// The scene of a workbench: which one is wished for, how far it is read, and what the painters have of it.
+// The scene of a view model: which one is asked for, how far it is read, and what the render clients have of
+// it.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,10 @@ namespace sfumato::view {
 
 class SceneState {
  public:
-  /// Without its clouds, which the painters have; null before the first sample.
+  /// Without its clouds, which the render clients have; null before the first sample.
   const Loaded* loaded() const { return loaded_ ? &*loaded_ : nullptr; }
   /// Its files are read, or prepared to be drawn.
-  bool loading() const { return stage_ == Stage::reading || stage_ == Stage::preparing; }
+  bool loading() const { return load_state_ == LoadState::reading || load_state_ == LoadState::preparing; }
   /// The whole cloud can be drawn.
   bool is_ready() const { return whole_.is_ready && !loading(); }
   /// Of what is loaded or loading; nothing: it was refused, and is to be loaded again.
@@ -25,13 +26,13 @@ class SceneState {
   std::size_t left_out() const { return left_out_; }     ///< points beyond those that one place holds
 
  private:
-  friend class Workbench;  // which reads it and has it painted
-  enum class Stage {
+  friend class ViewModel;  // which reads it and has it rendered
+  enum class LoadState {
     idle,
     reading,
-    preparing,  ///< to be drawn: the painter of the whole cloud
-    refused,    ///< by that painter
-    unreadable  ///< what is shown is not what is wished for
+    preparing,  ///< to be drawn: the render client of the whole cloud
+    refused,    ///< by that render client
+    unreadable  ///< what is shown is not what is asked for
   };
   /// What files with levels are read for.
   struct SeenView {
@@ -40,7 +41,7 @@ class SceneState {
     bool has_shadows = false;
     bool operator==(const SeenView&) const = default;
   };
-  /// What a painter has of it.
+  /// What a render client has of it.
   struct Part {
     std::uint64_t id = 0;
     bool is_ready = false, is_refused = false;
@@ -52,7 +53,9 @@ class SceneState {
   bool has_sample_only() const { return loaded_ && loaded_->is_sample; }
   bool follows_view() const { return loaded_ && loaded_->follows_view; }
   /// Of files with levels: what other views show can be read.
-  bool may_follow_view() const { return follows_view() && !loading() && stage_ != Stage::unreadable; }
+  bool may_follow_view() const {
+    return follows_view() && !loading() && load_state_ != LoadState::unreadable;
+  }
   bool can_draw() const { return sample_.is_ready || (sample_.is_refused && whole_.is_ready); }
   void want(SceneKey key, double now_ms) {
     if (key != wanted_key_) wanted_key_ = std::move(key), wanted_since_ms_ = now_ms;
@@ -64,14 +67,14 @@ class SceneState {
     return wanted_since_ms_ + rest_ms;
   }
 
-  Stage stage_ = Stage::idle;
+  LoadState load_state_ = LoadState::idle;
   std::optional<SceneKey> key_;
   SceneKey wanted_key_;
   double wanted_since_ms_ = -1e9;
-  bool is_to_read_anew_ = false;  ///< although the wishes are the same: the files on the disk may not be
+  bool is_to_read_anew_ = false;  ///< although the request is the same: the files on the disk may not be
   std::uint64_t load_id_ = 0;
   std::optional<Loaded> loaded_;
-  std::shared_ptr<const Loaded> known_, kept_;  ///< by another workbench: about to be taken; taken
+  std::shared_ptr<const Loaded> known_, kept_;  ///< by another view model: about to be taken; taken
   std::optional<ViewCamera> sample_camera_;     ///< what a sample was framed by
   std::optional<SeenView> read_view_;           ///< what the points are for that are here or being read
   bool is_reading_view_ = false;

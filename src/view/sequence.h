@@ -24,7 +24,7 @@ class Sequence {
   double frames_per_second = 5;
 
  private:
-  friend class Workbench;  // which opens what is shown
+  friend class ViewModel;  // which opens what is shown
   bool holds(const std::vector<std::string>& opened) const;
   /// These files are open, from now on.
   void follow(const std::vector<std::string>& opened);

@@ -3,9 +3,9 @@
 namespace sfumato::view {
 
 SharedScenes::SharedScenes() {
-  const auto gate = std::make_shared<Painter::Gate>(2);
-  sample = Painter::make_thread(gate);
-  whole = Painter::make_thread(gate);
+  const auto gate = std::make_shared<RenderClient::Gate>(2);
+  sample = RenderClient::make_thread(gate);
+  whole = RenderClient::make_thread(gate);
 }
 
 std::shared_ptr<const Loaded> SharedScenes::find(const SceneKey& key) const {

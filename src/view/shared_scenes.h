@@ -1,4 +1,4 @@
-// What several workbenches of one thread have in common: two threads that paint, and scenes that are read
+// What several view models of one thread have in common: two render threads, and scenes that are read
 // once and stand in memory once for all that look at the same points.
 #pragma once
 
@@ -13,11 +13,11 @@ namespace sfumato::view {
 struct SharedScenes {
   SharedScenes();
 
-  /// Without their clouds, which the painters have.
+  /// Without their clouds, which the render clients have.
   std::shared_ptr<const Loaded> find(const SceneKey& key) const;
   std::shared_ptr<const Loaded> keep(const SceneKey& key, Loaded loaded);
 
-  std::shared_ptr<PaintThread> sample, whole;
+  std::shared_ptr<RenderThread> sample, whole;
 
  private:
   std::vector<std::pair<SceneKey, std::weak_ptr<const Loaded>>> scenes_;

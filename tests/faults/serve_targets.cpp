@@ -31,29 +31,29 @@ void read_request(std::string_view bytes) {
     if (name.empty() || (name + value + target->path).find('\0') != std::string::npos) std::abort();
 }
 
-/// A message a line, to a workbench that has no files: what is wrong is refused in one line.
+/// A message a line, to a view model that has no files: what is wrong is refused in one line.
 void read_messages(std::string_view bytes) {
-  static view::Workbench bench = [] {
+  static view::ViewModel model = [] {
     view::Start start;
-    start.wishes.files = {"/absent.ply"};
+    start.request.files = {"/absent.ply"};
     start.wake = [] {};
-    start.settle = [](const TechniqueChoice& found) { return found; };
-    return view::Workbench(start);
+    start.resolve = [](const TechniqueChoice& found) { return found; };
+    return view::ViewModel(start);
   }();
   serve::Hand hand;
   while (!bytes.empty()) {
     const std::size_t cut = std::min(bytes.find('\n'), bytes.size());
     try {
-      serve::obey(bench, hand, bytes.substr(0, cut), {});
+      serve::obey(model, hand, bytes.substr(0, cut), {});
     } catch (const Error& error) {
       const bool is_theirs = error.code() == ErrorCode::usage || error.code() == ErrorCode::bad_input;
       if (!is_theirs || std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();
     }
-    (void)bench.take_messages();
-    (void)bench.shots.take();
+    (void)model.take_messages();
+    (void)model.saved_pictures.take();
     bytes.remove_prefix(std::min(cut + 1, bytes.size()));
   }
-  (void)serve::state_of(bench).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  (void)serve::state_of(model).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace sfumato::test

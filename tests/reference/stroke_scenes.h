@@ -7,7 +7,7 @@
 namespace sfumato::testing {
 
 /// A technique and a cloud, rendered step by step.
-struct Studio {
+struct StrokeScene {
   std::unique_ptr<Technique> technique = find_technique("strokes").create();
   PreparedCloud prepared;
   std::unique_ptr<GpuCloud> gpu;
@@ -16,7 +16,8 @@ struct Studio {
   Target target{112, 80};
   gl::Timers timers{false};
 
-  explicit Studio(PointCloud cloud) : prepared(analysis::prepare(std::move(cloud), technique->needs(), {})) {
+  explicit StrokeScene(PointCloud cloud)
+      : prepared(analysis::prepare(std::move(cloud), technique->needs(), {})) {
     gpu = std::make_unique<GpuCloud>(prepared, colors_of(prepared.cloud));
     camera.fit_depth_range(gpu->bounds());
     settings.shading = Shading::albedo;

@@ -7,11 +7,11 @@
 #include <thread>
 
 #include "apps/cli/render_request.h"
-#include "apps/picture/shot.h"
+#include "apps/picture/saved_picture.h"
 #include "apps/serve/protocol.h"
 #include "apps/serve/viewer.h"
 #include "core/error.h"
-#include "view/workbench.h"
+#include "view/view_model.h"
 
 namespace {
 
@@ -20,8 +20,8 @@ using Json = nlohmann::ordered_json;
 
 class Lines {
  public:
-  explicit Lines(view::Start start) : bench_(std::move(start)) {
-    bench_.set_size(320, 200);
+  explicit Lines(view::Start start) : model_(std::move(start)) {
+    model_.set_size(320, 200);
     settle();
   }
 
@@ -30,33 +30,33 @@ class Lines {
     const std::string what = said.value("do", "");
     const auto text = [&](const char* name) { return said.value(name, ""); };
     if (what == "open") {
-      bench_.open(said["files"].get<std::vector<std::string>>(), said.value("add", false));
+      model_.open(said["files"].get<std::vector<std::string>>(), said.value("add", false));
     } else if (what == "preset") {
-      bench_.change(what, [&](view::Wishes& next) { next.take(load_preset(text("file"))); });
+      model_.change(what, [&](view::ViewRequest& next) { next.take(load_preset(text("file"))); });
     } else if (what == "save") {
-      bench_.wishes().save(text("file"),
-                           said.value("with_files", false) ? std::optional(bench_.camera()) : std::nullopt);
+      model_.request().save(text("file"),
+                            said.value("with_files", false) ? std::optional(model_.camera()) : std::nullopt);
     } else if (what == "option") {
-      bench_.change(text("name"), [&](view::Wishes& next) { set(next, text("name"), text("value")); });
+      model_.change(text("name"), [&](view::ViewRequest& next) { set(next, text("name"), text("value")); });
     } else if (what == "frame") {
-      bench_.show_frame(said.value("number", std::size_t(0)));
+      model_.show_frame(said.value("number", std::size_t(0)));
     } else if (what == "path_file") {
-      said.value("save", false) ? bench_.path.save(text("file"), bench_.width(), bench_.height())
-                                : bench_.path.load(text("file"));
+      said.value("save", false) ? model_.path.save(text("file"), model_.width(), model_.height())
+                                : model_.path.load(text("file"));
     } else if (what != "state") {
-      serve::obey(bench_, hand_, line, {});
+      serve::obey(model_, hand_, line, {});
     }
     settle();
     Json answer{{"did", what}};
-    for (view::Shot& shot : bench_.shots.take()) {
+    for (view::SavedPicture& shot : model_.saved_pictures.take()) {
       const io::PngTexts texts = finish(shot, text("file"));
       io::write_png(text("file"), shot.picture.image, false, texts);
       shot.words.insert(shot.words.begin(), "sfumato");
       shot.words.insert(shot.words.end(), {"-o", text("file")});
       answer["command"] = shot.words;
     }
-    if (what == "state") answer["state"] = serve::state_of(bench_);
-    for (const view::Message& each : bench_.take_messages())
+    if (what == "state") answer["state"] = serve::state_of(model_);
+    for (const view::Message& each : model_.take_messages())
       answer[each.is_error ? "errors" : "messages"].push_back(each.text);
     return answer;
   }
@@ -66,18 +66,18 @@ class Lines {
   void settle() {
     using Clock = std::chrono::steady_clock;
     const auto is_there = [&] {
-      return bench_.settled() && !bench_.shots.pending() && !bench_.playing() &&
-             bench_.wishes().scene_key() == bench_.scene.key();
+      return model_.settled() && !model_.saved_pictures.pending() && !model_.playing() &&
+             model_.request().scene_key() == model_.scene.key();
     };
     do {
-      bench_.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
-      if (bench_.fatal()) throw Error(bench_.fatal()->code, bench_.fatal()->message);
+      model_.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
+      if (model_.fatal()) throw Error(model_.fatal()->code, model_.fatal()->message);
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     } while (!is_there());
   }
 
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  view::Workbench bench_;
+  view::ViewModel model_;
   serve::Hand hand_;
 };
 

@@ -10,7 +10,7 @@
 
 #include "session/pose.h"
 #include "session/standpoint.h"
-#include "session/view_wishes.h"
+#include "session/camera_request.h"
 #include "synth/synth.h"
 
 using namespace sfumato;
@@ -134,10 +134,10 @@ TEST(FirstView, ATurnShowsAllFromEverySide) {
   const Pose pose = pose_of(box_of({20, 4, 3}));
   for (const bool parallel : {false, true}) {
     // From where it looks short.
-    ViewWishes wishes;
-    wishes.azimuth = 90;
-    wishes.size = {320, 200};
-    Camera camera = view_of(pose, wishes);
+    CameraRequest request;
+    request.azimuth = 90;
+    request.size = {320, 200};
+    Camera camera = view_of(pose, request);
     if (parallel) make_orthographic(camera);
     const auto outside = [&](const Camera& start) {
       std::size_t most = 0;
@@ -421,9 +421,9 @@ TEST(FirstView, OfASweepWhatIsNearTheSensorFillsThePage) {
                 1.5 * (high_before.x - low_before.x) * (high_before.y - low_before.y));
       EXPECT_GT(filled, 1.3 * page_of(cloud, whole).second);
     }
-    ViewWishes wishes;
-    wishes.azimuth = 60;
-    EXPECT_GT(page_of(cloud, view_of(pose, wishes)).first, 0.95)
+    CameraRequest request;
+    request.azimuth = 60;
+    EXPECT_GT(page_of(cloud, view_of(pose, request)).first, 0.95)
         << "who chooses a side sees all that is framed";
   }
 }
@@ -495,9 +495,9 @@ TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
     EXPECT_GT(std::max(high.x, high.y), 0.91);
     EXPECT_LT(std::max(high.x, high.y), 1) << "also the corners of what is seen aslant";
     EXPECT_NEAR(low.x, -high.x, 0.01);
-    ViewWishes wishes;
-    wishes.azimuth = 60;
-    EXPECT_GT(glm::distance(view_of(pose, wishes).position, sensor), 1);
+    CameraRequest request;
+    request.azimuth = 60;
+    EXPECT_GT(glm::distance(view_of(pose, request).position, sensor), 1);
     // A ray in a hundred, far to a side: the rest is as large as before.
     for (int i = 0; i < 300; ++i)
       cloud.positions.push_back(
@@ -600,10 +600,10 @@ TEST(FirstView, TiltedGroundIsLevelInIt) {
   EXPECT_NEAR(std::max(high.x, high.y), 0.92, 0.01);
   EXPECT_GT(glm::dot(-camera.direction(), up), 0.2) << "from above the ground";
   // Who names a side names it about the axis.
-  ViewWishes wishes;
-  wishes.azimuth = 0, wishes.elevation = 0;
-  EXPECT_NEAR(std::abs(leans(view_of(pose, wishes))), 25, 1);
-  EXPECT_EQ(view_of(pose, wishes).up, dvec3(0, -1, 0));
+  CameraRequest request;
+  request.azimuth = 0, request.elevation = 0;
+  EXPECT_NEAR(std::abs(leans(view_of(pose, request))), 25, 1);
+  EXPECT_EQ(view_of(pose, request).up, dvec3(0, -1, 0));
   EXPECT_EQ(stand_upright(scene, UpAxis::neg_y).vertical(), dvec3(0, -1, 0)) << "--up";
   // The pictures beside a model of COLMAP say only which axis is nearest; other files mean what they say.
   scene.cloud.set_up(UpAxis::neg_y);

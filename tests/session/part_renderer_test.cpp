@@ -39,8 +39,8 @@ std::vector<Part> parts_of(const PointCloud& cloud, std::size_t count,
     parts[k].cloud.source_index = members[k];
     merge(facts, analysis::facts_of(parts[k].cloud));
   }
-  analysis::Surroundings around = surroundings_of(parts[0].cloud, facts);
-  for (std::size_t k = 1; k < count; ++k) merge(around, surroundings_of(parts[k].cloud, facts));
+  analysis::NeighborhoodFacts around = neighborhood_facts_of(parts[0].cloud, facts);
+  for (std::size_t k = 1; k < count; ++k) merge(around, neighborhood_facts_of(parts[k].cloud, facts));
   const auto whole = whole_of(facts, around, cloud.origin);
   ColorSettings coloring;
   coloring.color_by = "rgb", coloring.exposure = 1;
@@ -54,7 +54,7 @@ std::vector<Part> shares_of(const PointCloud& cloud, std::size_t count) {
   all.source_index.resize(all.size());
   std::iota(all.source_index.begin(), all.source_index.end(), 0u);
   const analysis::CloudFacts facts = analysis::facts_of(all);
-  const auto whole = whole_of(facts, surroundings_of(all, facts), all.origin);
+  const auto whole = whole_of(facts, neighborhood_facts_of(all, facts), all.origin);
   ColorSettings coloring;
   coloring.color_by = "rgb", coloring.exposure = 1;
   std::vector<Part> parts(count);
@@ -151,7 +151,7 @@ TEST(PartRenderer, SaysWhatItCannotMerge) {
   EXPECT_FALSE(part.merges("points", view, {{"shadows", "soft"}}));
   EXPECT_FALSE(part.merges("points", view, {{"samples", "4"}}));
   EXPECT_FALSE(part.merges("soft", view, {}));
-  EXPECT_NE(part.settle("auto"), "auto");
+  EXPECT_NE(part.resolve("auto"), "auto");
 }
 
 }  // namespace

@@ -77,12 +77,12 @@ TEST(Request, WhatContradictsItselfIsRefused) {
   Request request;
   set(request, "view", "top");
   set(request, "camera-position", "1,2,3");
-  EXPECT_THROW(settle_view(request), Error);
+  EXPECT_THROW(resolve_view(request), Error);
   Request on_no_paper;
   set(on_no_paper, "scale", "1:200");
-  EXPECT_NO_THROW(settle_view(on_no_paper));
+  EXPECT_NO_THROW(resolve_view(on_no_paper));
   set(on_no_paper, "dpi", "0");
-  EXPECT_THROW(settle_view(on_no_paper), Error);
+  EXPECT_THROW(resolve_view(on_no_paper), Error);
   Request one_point;
   set(one_point, "camera-position", "1,2,3");
   set(one_point, "camera-focal-point", "1,2,3");

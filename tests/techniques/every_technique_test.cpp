@@ -171,11 +171,11 @@ TEST_P(EveryTechnique, APictureCanBeCalledOffAnywhere) {
     StopsAt never(1 << 30);
     draw(renderer, *technique, 1, shadows, never);
     EXPECT_GE(never.asked(), gl::limits().software ? 12 : 1);
-    int called_off = 0, tried = 0;
+    int cancelled = 0, tried = 0;
     // Other moments for each kind of shadows, which have most slices in common.
     const int step = std::max(1, never.asked() / 24);
     for (int at = 1 + int(shadows) * step / 3; at < never.asked(); at += step) {
-      SCOPED_TRACE("called off at " + std::to_string(at) + " of " + std::to_string(never.asked()));
+      SCOPED_TRACE("cancelled at " + std::to_string(at) + " of " + std::to_string(never.asked()));
       const bool is_first = tried % 2 == 0;  // of a technique that has drawn nothing yet
       if (is_first) {
         technique = make();
@@ -186,7 +186,7 @@ TEST_P(EveryTechnique, APictureCanBeCalledOffAnywhere) {
       try {
         draw(renderer, *technique, is_first, shadows, stops);
       } catch (const Cancelled&) {
-        ++called_off;
+        ++cancelled;
       }
       const RenderOutput out = draw(renderer, *technique, 1, shadows);
       ASSERT_TRUE(std::ranges::equal(out.rgba8, expected.rgba8));
@@ -194,7 +194,7 @@ TEST_P(EveryTechnique, APictureCanBeCalledOffAnywhere) {
       ASSERT_TRUE(std::ranges::equal(out.depth, expected.depth));
     }
     // Who has drawn before is done sooner.
-    EXPECT_GT(called_off, tried / 2);
+    EXPECT_GT(cancelled, tried / 2);
   }
 }
 

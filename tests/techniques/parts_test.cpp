@@ -77,9 +77,9 @@ Parts cut(const PointCloud& cloud, const Members& members) {
   Parts parts{parts_of(cloud, members), nullptr};
   analysis::CloudFacts facts;
   for (const PointCloud& part : parts.clouds) merge(facts, analysis::facts_of(part));
-  analysis::Surroundings around = surroundings_of(parts.clouds.front(), facts);
+  analysis::NeighborhoodFacts around = neighborhood_facts_of(parts.clouds.front(), facts);
   for (std::size_t k = 1; k < parts.clouds.size(); ++k)
-    merge(around, surroundings_of(parts.clouds[k], facts));
+    merge(around, neighborhood_facts_of(parts.clouds[k], facts));
   parts.whole = whole_of(facts, around, cloud.origin);
   return parts;
 }
@@ -712,7 +712,7 @@ double differing_radii(const PointCloud& cloud, bool know_what_is_around) {
   all.source_index.resize(all.size());
   std::iota(all.source_index.begin(), all.source_index.end(), 0u);
   const analysis::CloudFacts facts = analysis::facts_of(all);
-  const auto whole = whole_of(facts, surroundings_of(all, facts), all.origin);
+  const auto whole = whole_of(facts, neighborhood_facts_of(all, facts), all.origin);
   const Attributes needs = Attribute::normal | Attribute::radius;
   const PreparedCloud at_once = analysis::prepare(cloud, needs, {});
   std::vector<float> radii(cloud.size());

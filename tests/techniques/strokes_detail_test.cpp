@@ -12,8 +12,8 @@ using namespace sfumato::testing;
 
 namespace {
 
-struct LargeStudio : Studio {
-  explicit LargeStudio(PointCloud cloud) : Studio(std::move(cloud)) {
+struct LargeStrokeScene : StrokeScene {
+  explicit LargeStrokeScene(PointCloud cloud) : StrokeScene(std::move(cloud)) {
     camera = front_camera(320, 240);
     camera.fit_depth_range(gpu->bounds());
     target = Target(320, 240);
@@ -39,11 +39,11 @@ PointCloud pole_cloud(float radius, float spacing) {
 TEST_F(StrokesDetailTest, APoleKeepsItsWidth) {
   for (float spacing : {0.01f, 0.03f}) {
     constexpr float radius = 0.06f;
-    LargeStudio studio(pole_cloud(radius, spacing));
-    ASSERT_TRUE(studio.step());
-    const Image<vec4> picture = studio.picture();
-    const double distance = glm::length(studio.camera.position - studio.camera.target);
-    const double truth = 2 * radius * studio.camera.intrinsics().fx / distance;
+    LargeStrokeScene scene(pole_cloud(radius, spacing));
+    ASSERT_TRUE(scene.step());
+    const Image<vec4> picture = scene.picture();
+    const double distance = glm::length(scene.camera.position - scene.camera.target);
+    const double truth = 2 * radius * scene.camera.intrinsics().fx / distance;
     double width = 0;
     int rows = 0;
     for (int y = 80; y < 160; ++y, ++rows)
@@ -63,10 +63,10 @@ TEST_F(StrokesDetailTest, RandomSurfacesAreClosed) {
       cloud.positions.push_back({uniform(random), 0, uniform(random)});
       cloud.colors.push_back({90, 120, 150});
     }
-    LargeStudio studio(std::move(cloud));
-    ASSERT_TRUE(studio.step());
+    LargeStrokeScene scene(std::move(cloud));
+    ASSERT_TRUE(scene.step());
     std::size_t open = 0;
-    for (const vec4& c : studio.picture()) open += c.a < 0.98f;
+    for (const vec4& c : scene.picture()) open += c.a < 0.98f;
     EXPECT_LE(open, 5u) << count;
   }
 }
@@ -77,13 +77,13 @@ TEST_F(StrokesDetailTest, ColoursStayThoseOfTheScan) {
   for (const char* style : {"oil", "impressionist", "pointillist", "figure_4b"}) {
     PointCloud cloud = sphere_cloud(20000, 0.8f);
     cloud.colors.assign(cloud.size(), {130, 70, 160});
-    LargeStudio studio(std::move(cloud));
-    studio.settings.shading = Shading::lit;
-    studio.set("style", style);
-    ASSERT_TRUE(studio.step());
+    LargeStrokeScene scene(std::move(cloud));
+    scene.settings.shading = Shading::lit;
+    scene.set("style", style);
+    ASSERT_TRUE(scene.step());
     dvec3 sum(0);
     double covered = 0;
-    for (const vec4& c : studio.picture()) sum += dvec3(c), covered += c.a;
+    for (const vec4& c : scene.picture()) sum += dvec3(c), covered += c.a;
     const auto linear = [](double v) { return std::pow((v / 255 + 0.055) / 1.055, 2.4); };
     for (int k = 0; k < 3; ++k) {
       const double expected = linear(k == 0 ? 130 : k == 1 ? 70 : 160);
@@ -139,8 +139,8 @@ TEST_F(StrokesDetailTest, LabelsOfAFileMayBeAnything) {
   EXPECT_EQ(*std::max_element(dense.begin(), dense.end()), 2u);
   EXPECT_EQ(dense[1], dense[2]);
   EXPECT_NE(dense[0], dense[1]);
-  Studio studio(std::move(cloud));
-  EXPECT_TRUE(studio.step());
+  StrokeScene scene(std::move(cloud));
+  EXPECT_TRUE(scene.step());
 }
 
 }  // namespace

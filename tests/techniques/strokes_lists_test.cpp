@@ -17,9 +17,9 @@ struct ListedOn : WithPreference<gl::Place> {
 using ListsTest = GlTest;
 
 /// Draws the next picture of the view; whether all of its strokes are sorted.
-bool sorted(Studio& studio) {
-  EXPECT_TRUE(studio.step());
-  for (const std::string& note : studio.technique->notes())
+bool sorted(StrokeScene& scene) {
+  EXPECT_TRUE(scene.step());
+  for (const std::string& note : scene.technique->notes())
     if (note.find("not sorted") != std::string::npos) return false;
   return true;
 }
@@ -39,8 +39,8 @@ INSTANTIATE_TEST_SUITE_P(Places, StrokeListsTest, ::testing::Values("cpu", "gpu"
 TEST_P(StrokeListsTest, RefiningStepByStepEndsInTheSameBits) {
   for (const char* order : {"stroke", "fragment"})
     for (auto [style, sort_steps] : {std::pair{"oil", "1"}, {"watercolor", "1"}, {"watercolor", "3"}}) {
-      Studio at_once(two_spheres()), by_step(two_spheres());
-      for (Studio* s : {&at_once, &by_step}) s->set("stroke_order", order), s->set("style", style);
+      StrokeScene at_once(two_spheres()), by_step(two_spheres());
+      for (StrokeScene* s : {&at_once, &by_step}) s->set("stroke_order", order), s->set("style", style);
       by_step.set("refine", "per_frame");
       by_step.set("sort_steps", sort_steps);
       by_step.set("min_sorted", "0");
@@ -66,8 +66,8 @@ TEST_P(StrokeListsTest, RefiningStepByStepEndsInTheSameBits) {
 // What stands in until fragments are sorted is taken from the lists; the moving picture from a depth buffer.
 TEST_P(StrokeListsTest, TheFirstFrameOfARefinementIsTheBlurredPicture) {
   for (const char* order : {"stroke", "fragment"}) {
-    Studio moving(two_spheres()), stopped(two_spheres());
-    for (Studio* s : {&moving, &stopped}) s->set("stroke_order", order);
+    StrokeScene moving(two_spheres()), stopped(two_spheres());
+    for (StrokeScene* s : {&moving, &stopped}) s->set("stroke_order", order);
     moving.set("blend", "blur");
     stopped.set("refine", "per_frame");
     ASSERT_TRUE(moving.step());
@@ -89,15 +89,15 @@ TEST_P(StrokeListsTest, TheFirstFrameOfARefinementIsTheBlurredPicture) {
 }
 
 TEST_F(ListsTest, AChangeStartsOver) {
-  Studio studio(two_spheres());
-  studio.set("refine", "per_frame");
-  studio.set("min_sorted", "0");
-  for (int k = 0; k < 3; ++k) EXPECT_FALSE(sorted(studio));
-  studio.camera.position.x += 0.5;
-  for (int k = 0; k < 200 && !sorted(studio); ++k) {
+  StrokeScene scene(two_spheres());
+  scene.set("refine", "per_frame");
+  scene.set("min_sorted", "0");
+  for (int k = 0; k < 3; ++k) EXPECT_FALSE(sorted(scene));
+  scene.camera.position.x += 0.5;
+  for (int k = 0; k < 200 && !sorted(scene); ++k) {
   }
-  const Image<vec4> moved = studio.picture();
-  Studio fresh(two_spheres());
+  const Image<vec4> moved = scene.picture();
+  StrokeScene fresh(two_spheres());
   fresh.camera.position.x += 0.5;
   EXPECT_TRUE(fresh.step());
   const Image<vec4> expected = fresh.picture();
@@ -105,8 +105,8 @@ TEST_F(ListsTest, AChangeStartsOver) {
 }
 
 TEST_P(StrokeListsTest, LittleMemoryMeansBandsAndNoLoss) {
-  Studio roomy(two_spheres()), narrow(two_spheres());
-  for (Studio* s : {&roomy, &narrow})
+  StrokeScene roomy(two_spheres()), narrow(two_spheres());
+  for (StrokeScene* s : {&roomy, &narrow})
     s->set("opacity", "0.1"), s->set("coverage", "32"), s->set("stroke_length", "12"), s->set("detail", "0");
   narrow.set("fragment_memory", "1");
   ASSERT_TRUE(roomy.step());
@@ -120,10 +120,10 @@ TEST_P(StrokeListsTest, LittleMemoryMeansBandsAndNoLoss) {
 
 // A view needs more fragments than the one before, and the buffer grows; then fewer.
 TEST_P(StrokeListsTest, ListsGrowWithTheView) {
-  Studio used(two_spheres());
+  StrokeScene used(two_spheres());
   for (const char* coverage : {"1", "32", "2"}) {
-    Studio fresh(two_spheres());
-    for (Studio* s : {&used, &fresh}) s->set("opacity", "0.2"), s->set("coverage", coverage);
+    StrokeScene fresh(two_spheres());
+    for (StrokeScene* s : {&used, &fresh}) s->set("opacity", "0.2"), s->set("coverage", coverage);
     ASSERT_TRUE(used.step());
     ASSERT_TRUE(fresh.step());
     const Image<vec4> a = used.picture(), b = fresh.picture();
@@ -139,8 +139,8 @@ TEST_F(ListsTest, ListsOfTheProcessorAreThoseOfTheGpu) {
   for (std::size_t i = 0; i < 500; ++i) cloud.positions[i] = cloud.positions[i + 500];
   for (const char* style : {"oil", "watercolor"})
     for (const char* view : {"perspective", "orthographic", "inside"}) {
-      Studio cpu(cloud), gpu(cloud);
-      for (Studio* s : {&cpu, &gpu}) {
+      StrokeScene cpu(cloud), gpu(cloud);
+      for (StrokeScene* s : {&cpu, &gpu}) {
         s->set("style", style);
         if (view == std::string("orthographic")) {
           s->camera.projection = Projection::orthographic;

@@ -217,10 +217,10 @@ struct Set {  // strokes of a view without the technique around them
   BrushPicture brush;
   StrokeData data;
   StrokeSet strokes;
-  void update(Studio& studio, const View& view, const Look& look, const Brush& b, float noise) {
+  void update(StrokeScene& drawn, const View& view, const Look& look, const Brush& b, float noise) {
     brush.update(b);
-    data.update(*studio.gpu, Tangent::householder, seed_quantum(studio.gpu->median_spacing()), no_progress());
-    strokes.update(*studio.gpu, data, view, look, brush, noise, false, false);
+    data.update(*drawn.gpu, Tangent::householder, seed_quantum(drawn.gpu->median_spacing()), no_progress());
+    strokes.update(*drawn.gpu, data, view, look, brush, noise, false, false);
   }
 };
 
@@ -237,29 +237,29 @@ TEST_F(StrokesTest, SortedStrokesAreTheFoldOfTheFormula) {
         {std::uint8_t(40 + 20 * i), std::uint8_t(230 - 20 * i), std::uint8_t(60 * (i % 4)), 255});
   }
   for (Style style : {Style::figure_4b, Style::figure_4d}) {
-    Studio studio(cloud);
+    StrokeScene drawn(cloud);
     const char* names[] = {"figure_4b", "figure_4c", "figure_4d"};
-    studio.set("style", names[int(style) - int(Style::figure_4b)]);
-    studio.set("stroke_length", "45");
-    studio.set("opacity", "0.7");
-    studio.set("two_layers", "false");
-    studio.set("underpainting", "false");  // translucent strokes alone
-    ASSERT_TRUE(studio.step());
-    const Image<vec4> picture = studio.picture();
+    drawn.set("style", names[int(style) - int(Style::figure_4b)]);
+    drawn.set("stroke_length", "45");
+    drawn.set("opacity", "0.7");
+    drawn.set("two_layers", "false");
+    drawn.set("underpainting", "false");  // translucent strokes alone
+    ASSERT_TRUE(drawn.step());
+    const Image<vec4> picture = drawn.picture();
 
     Parameters parameters;
     parameters.style = style;
     Look look = parameters.resolve_look();
     look.length_percent = 45, look.opacity = 0.7f;
     const Brush brush = parameters.resolve_brush();
-    const View view(studio.camera, studio.prepared.cloud.origin);
+    const View view(drawn.camera, drawn.prepared.cloud.origin);
     Set set;
-    set.update(studio, view, look, brush, brush.noise_deg);
+    set.update(drawn, view, look, brush, brush.noise_deg);
     std::vector<Record> records = records_of(set.strokes);
     ASSERT_GT(records.size(), 3u);
     std::sort(records.begin(), records.end(), [](const Record& a, const Record& b) { return a.key > b.key; });
     double worst = 0, mean = 0;
-    const Intrinsics k = studio.camera.intrinsics();
+    const Intrinsics k = drawn.camera.intrinsics();
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 112; ++x) {
         const dvec3 ray((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1);
@@ -285,7 +285,7 @@ TEST_F(StrokesTest, SortedStrokesAreTheFoldOfTheFormula) {
 }
 
 TEST_F(StrokesTest, StrokesStayPutWhenTheCameraMoves) {
-  Studio studio(two_spheres());
+  StrokeScene drawn(two_spheres());
   Parameters parameters;
   const Look look = parameters.resolve_look();
   const Brush brush = parameters.resolve_brush();
@@ -293,15 +293,15 @@ TEST_F(StrokesTest, StrokesStayPutWhenTheCameraMoves) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> first;
   std::size_t common = 0;
   for (double shift : {0.0, 0.03}) {
-    Camera camera = studio.camera;
+    Camera camera = drawn.camera;
     camera.position.x += shift;
-    const View view(camera, studio.prepared.cloud.origin);
-    set.update(studio, view, look, brush, brush.noise_deg);
+    const View view(camera, drawn.prepared.cloud.origin);
+    set.update(drawn, view, look, brush, brush.noise_deg);
     const glm::dmat3 back = glm::transpose(glm::dmat3(view.eye_from_cloud()));
-    std::vector<std::uint32_t> place(studio.prepared.cloud.size());
-    for (std::uint32_t i = 0; i < place.size(); ++i) place[studio.prepared.cloud.source_index[i]] = i;
+    std::vector<std::uint32_t> place(drawn.prepared.cloud.size());
+    for (std::uint32_t i = 0; i < place.size(); ++i) place[drawn.prepared.cloud.source_index[i]] = i;
     for (const Record& r : records_of(set.strokes)) {
-      const vec3 n = studio.prepared.cloud.normals[place[r.source]];
+      const vec3 n = drawn.prepared.cloud.normals[place[r.source]];
       const TangentFrame frame = householder_frame(n);
       const dvec3 t = glm::normalize(back * r.along);
       const double theta = std::atan2(glm::dot(t, dvec3(frame.across)), glm::dot(t, dvec3(frame.along)));
@@ -324,19 +324,19 @@ TEST_F(StrokesTest, LightFallsOnColoursThatStandForSomething) {
   cloud.colors.resize(cloud.size());
   for (Rgba8& c : cloud.colors)
     c = {std::uint8_t(random() % 90), std::uint8_t(random() % 70), std::uint8_t(random() % 50), 255};
-  Studio studio(cloud);
-  studio.settings.shading = Shading::lit;
-  const std::vector<Rgba8> own = studio.prepared.cloud.colors;
+  StrokeScene drawn(cloud);
+  drawn.settings.shading = Shading::lit;
+  const std::vector<Rgba8> own = drawn.prepared.cloud.colors;
   std::vector<Rgba8> raised = own, attribute = own;
   for (Rgba8& c : raised)
     for (std::uint8_t* channel : {&c.r, &c.g, &c.b}) *channel = std::uint8_t(2 * *channel);
   for (std::size_t i = 0; i < own.size(); ++i)
-    attribute[i] = {std::uint8_t(studio.prepared.cloud.positions[i].z > 0 ? 200 : 90), 80, 120, 255};
+    attribute[i] = {std::uint8_t(drawn.prepared.cloud.positions[i].z > 0 ? 200 : 90), 80, 120, 255};
   auto painted = [&](const std::vector<Rgba8>& colors, const char* lighting) {
-    studio.gpu = std::make_unique<GpuCloud>(studio.prepared, colors);
-    studio.set("lighting", lighting);
-    studio.step();
-    const Image<vec4> picture = studio.picture();
+    drawn.gpu = std::make_unique<GpuCloud>(drawn.prepared, colors);
+    drawn.set("lighting", lighting);
+    drawn.step();
+    const Image<vec4> picture = drawn.picture();
     return std::vector<vec4>(picture.data(), picture.data() + picture.size());
   };
   EXPECT_TRUE(painted(own, "auto") == painted(own, "off"));
@@ -364,9 +364,9 @@ TEST_F(StrokesTest, UnderpaintingClosesSlitsBesideNearThings) {
     return cloud;
   };
   auto middle_row = [&](float wall_from) {
-    Studio studio(scene(wall_from));
-    studio.step();
-    const Image<vec4> picture = studio.picture();
+    StrokeScene drawn(scene(wall_from));
+    drawn.step();
+    const Image<vec4> picture = drawn.picture();
     int open = 0;
     float red = -1;
     for (int x = 0; x < picture.width(); ++x) {
@@ -492,7 +492,7 @@ TEST_F(StrokesTest, TheOrderOfTheFileDoesNotShow) {
   std::shuffle(order.begin(), order.end(), std::mt19937(4));
   PointCloud shuffled = select(cloud, order);
   shuffled.source_index.clear();
-  Studio one(std::move(cloud)), two(std::move(shuffled));
+  StrokeScene one(std::move(cloud)), two(std::move(shuffled));
   for (const char* style : {"oil", "figure_4b", "watercolor"}) {
     one.settings.shading = two.settings.shading = Shading::lit;
     one.set("style", style), two.set("style", style);
@@ -568,10 +568,10 @@ TEST_F(StrokesTest, SizesFollowTheSpacing) {
   double covered[2];
   int k = 0;
   for (std::size_t count : {20000u, 700u}) {
-    Studio studio(sphere_cloud(count));
-    ASSERT_TRUE(studio.step());
+    StrokeScene drawn(sphere_cloud(count));
+    ASSERT_TRUE(drawn.step());
     covered[k] = 0;
-    for (const vec4& c : studio.picture()) covered[k] += c.a;
+    for (const vec4& c : drawn.picture()) covered[k] += c.a;
     ++k;
   }
   EXPECT_GT(covered[1], 0.9 * covered[0]);

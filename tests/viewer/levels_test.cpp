@@ -12,7 +12,7 @@
 
 #include "copc/build.h"
 #include "unit/copc/scan.h"
-#include "view/workbench.h"
+#include "view/view_model.h"
 
 namespace sfumato::view {
 namespace {
@@ -52,18 +52,18 @@ class LevelsTest : public testing::Test {
 
   static Start start() {
     Start start;
-    start.wishes.files = {scan().string()};
-    start.wishes.technique = "points";
-    start.wishes.color.color_by = "elevation";
+    start.request.files = {scan().string()};
+    start.request.technique = "points";
+    start.request.color.color_by = "elevation";
     start.memory = memory;
     start.wake = [] {};
     return start;
   }
-  /// Ticks until the bench has what it wants; false when that takes a minute.
-  bool wait(Workbench& bench, const std::function<bool()>& done) {
+  /// Ticks until the view model has what it wants; false when that takes a minute.
+  bool wait(ViewModel& model, const std::function<bool()>& done) {
     for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
-      bench.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
-      for (const Message& message : bench.take_messages())
+      model.tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
+      for (const Message& message : model.take_messages())
         if (message.is_error) mistakes_.push_back(message.text);
       if (done()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -71,8 +71,8 @@ class LevelsTest : public testing::Test {
     return false;
   }
   void TearDown() override { EXPECT_THAT(mistakes_, ::testing::IsEmpty()); }
-  bool settle(Workbench& bench) {
-    return wait(bench, [&] { return bench.settled(); });
+  bool settle(ViewModel& model) {
+    return wait(model, [&] { return model.settled(); });
   }
   /// What the command draws of the same view.
   static Image<Rgba8> picture_of(const Camera& camera) {
@@ -99,35 +99,35 @@ class LevelsTest : public testing::Test {
 };
 
 TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
-  Workbench bench(start());
-  bench.set_size(width, height);
-  ASSERT_TRUE(settle(bench));
-  ASSERT_TRUE(bench.scene.loaded());
-  EXPECT_TRUE(bench.scene.loaded()->follows_view);
-  EXPECT_FALSE(bench.scene.loaded()->is_coarse);
-  EXPECT_EQ(different(bench.picture()->image, picture_of(bench.camera())), 0u);
-  const std::uint64_t first = bench.scene.loaded()->points_shown;
+  ViewModel model(start());
+  model.set_size(width, height);
+  ASSERT_TRUE(settle(model));
+  ASSERT_TRUE(model.scene.loaded());
+  EXPECT_TRUE(model.scene.loaded()->follows_view);
+  EXPECT_FALSE(model.scene.loaded()->is_coarse);
+  EXPECT_EQ(different(model.picture()->image, picture_of(model.camera())), 0u);
+  const std::uint64_t first = model.scene.loaded()->points_shown;
   EXPECT_GT(first, 60'000u);
-  const double low = bench.picture()->coloring.low, high = bench.picture()->coloring.high;
+  const double low = model.picture()->coloring.low, high = model.picture()->coloring.high;
   EXPECT_LT(first, points);
 
   // The hand goes near: details come that the first view did not hold.
-  const dvec3 home = bench.camera().position;
-  bench.move("zoom", [](Navigator& navigator) {
+  const dvec3 home = model.camera().position;
+  model.move("zoom", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     const dvec3 away = near.position - near.target;
     near.target = {500050, 4100050, 100 + 3 * std::sin(50 / 9.) * std::cos(50 / 7.)};  // of the ground
     near.position = near.target + 0.05 * away;
     navigator.set_camera(near);
   });
-  EXPECT_FALSE(bench.settled());
-  ASSERT_TRUE(settle(bench));
-  const auto near = bench.scene.loaded()->nodes;
-  const Image<Rgba8> expected = picture_of(bench.camera());
-  EXPECT_EQ(different(bench.picture()->image, expected), 0u);
+  EXPECT_FALSE(model.settled());
+  ASSERT_TRUE(settle(model));
+  const auto near = model.scene.loaded()->nodes;
+  const Image<Rgba8> expected = picture_of(model.camera());
+  EXPECT_EQ(different(model.picture()->image, expected), 0u);
   // A height has the colour that it had from afar.
-  EXPECT_EQ(bench.picture()->coloring.low, low);
-  EXPECT_EQ(bench.picture()->coloring.high, high);
+  EXPECT_EQ(model.picture()->coloring.low, low);
+  EXPECT_EQ(model.picture()->coloring.high, high);
   ASSERT_TRUE(near);
   int deepest = 0;
   const copc::Tree tree = copc::read_tree(scan());
@@ -135,59 +135,59 @@ TEST_F(LevelsTest, EveryViewShowsWhatItsPixelsTellApart) {
   EXPECT_EQ(deepest, copc::levels_of(tree).back().level);
 
   // And back: the same bytes as before.
-  bench.move("back", [&](Navigator& navigator) {
+  model.move("back", [&](Navigator& navigator) {
     ViewCamera far = navigator.camera();
     far.position = home;
     navigator.set_camera(far);
   });
-  ASSERT_TRUE(settle(bench));
-  EXPECT_EQ(bench.scene.loaded()->points_shown, first);
+  ASSERT_TRUE(settle(model));
+  EXPECT_EQ(model.scene.loaded()->points_shown, first);
 }
 
 TEST_F(LevelsTest, PicturesForKeepsAreReadForTheirSize) {
-  Workbench bench(start());
-  bench.set_size(width, height);
-  ASSERT_TRUE(settle(bench));
-  bench.shoot(4 * width, 4 * height);
-  std::vector<Shot> shots;
-  ASSERT_TRUE(wait(bench, [&] {
-    for (Shot& shot : bench.shots.take()) shots.push_back(std::move(shot));
+  ViewModel model(start());
+  model.set_size(width, height);
+  ASSERT_TRUE(settle(model));
+  model.save_picture(4 * width, 4 * height);
+  std::vector<SavedPicture> shots;
+  ASSERT_TRUE(wait(model, [&] {
+    for (SavedPicture& shot : model.saved_pictures.take()) shots.push_back(std::move(shot));
     return !shots.empty();
   }));
-  Camera camera = bench.camera();
+  Camera camera = model.camera();
   camera.width = 4 * width, camera.height = 4 * height;
   EXPECT_EQ(different(shots[0].picture.image, picture_of(camera)), 0u);
   // The window goes on with what it needs itself.
-  ASSERT_TRUE(settle(bench));
-  EXPECT_EQ(different(bench.picture()->image, picture_of(bench.camera())), 0u);
+  ASSERT_TRUE(settle(model));
+  EXPECT_EQ(different(model.picture()->image, picture_of(model.camera())), 0u);
 }
 
 // Whoever saves a picture and goes on at once gets it all the same, of what was shown then.
 TEST_F(LevelsTest, PicturesForKeepsComeBeforeWhatIsWishedNext) {
-  Workbench bench(start());
-  bench.set_size(width, height);
-  ASSERT_TRUE(settle(bench));
-  const Camera first = bench.camera();
-  bench.shoot(width, height);
-  bench.move("zoom", [](Navigator& navigator) {
+  ViewModel model(start());
+  model.set_size(width, height);
+  ASSERT_TRUE(settle(model));
+  const Camera first = model.camera();
+  model.save_picture(width, height);
+  model.move("zoom", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     near.position = near.target + 0.2 * (near.position - near.target);
     navigator.set_camera(near);
   });
-  const Camera second = bench.camera();
-  bench.shoot(width, height);
-  bench.change("hide", [](Wishes& wishes) {
-    wishes.hide_classes = {6};
-    wishes.color.color_by = "clay";
+  const Camera second = model.camera();
+  model.save_picture(width, height);
+  model.change("hide", [](ViewRequest& request) {
+    request.hide_classes = {6};
+    request.color.color_by = "clay";
   });
-  std::vector<Shot> shots;
-  ASSERT_TRUE(wait(bench, [&] {
-    for (Shot& shot : bench.shots.take()) shots.push_back(std::move(shot));
-    return shots.size() == 2 && bench.settled() && !has_walls(*bench.scene.loaded());
+  std::vector<SavedPicture> shots;
+  ASSERT_TRUE(wait(model, [&] {
+    for (SavedPicture& shot : model.saved_pictures.take()) shots.push_back(std::move(shot));
+    return shots.size() == 2 && model.settled() && !has_walls(*model.scene.loaded());
   }));
   EXPECT_EQ(different(shots[0].picture.image, picture_of(first)), 0u);
   EXPECT_EQ(different(shots[1].picture.image, picture_of(second)), 0u);
-  for (const Shot& shot : shots) {
+  for (const SavedPicture& shot : shots) {
     EXPECT_THAT(shot.words, Contains("--color-by=elevation"));
     EXPECT_THAT(shot.words, Not(Contains("--hide-classes=6")));
   }
@@ -195,66 +195,66 @@ TEST_F(LevelsTest, PicturesForKeepsComeBeforeWhatIsWishedNext) {
 
 TEST_F(LevelsTest, PointsShowAViewUntilTheTechniqueHasMeasuredIt) {
   Start with_splats = start();
-  with_splats.wishes.technique = "splats";
-  Workbench bench(with_splats);
-  bench.set_size(width, height);
-  ASSERT_TRUE(settle(bench));
-  bench.move("zoom", [](Navigator& navigator) {
+  with_splats.request.technique = "splats";
+  ViewModel model(with_splats);
+  model.set_size(width, height);
+  ASSERT_TRUE(settle(model));
+  model.move("zoom", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     near.position = near.target + 0.2 * (near.position - near.target);
     navigator.set_camera(near);
   });
-  std::shared_ptr<const Picture> last = bench.picture();
+  std::shared_ptr<const Picture> last = model.picture();
   std::vector<std::string> whole;  // techniques of the pictures in full size, one after the other
-  ASSERT_TRUE(wait(bench, [&] {
-    if (bench.picture() != last && bench.shown_quality().whole_cloud &&
-        bench.picture()->image.width() == width)
-      whole.push_back(bench.picture()->technique);
-    last = bench.picture();
-    return bench.settled();
+  ASSERT_TRUE(wait(model, [&] {
+    if (model.picture() != last && model.shown_quality().whole_cloud &&
+        model.picture()->image.width() == width)
+      whole.push_back(model.picture()->technique);
+    last = model.picture();
+    return model.settled();
   }));
   ASSERT_GE(whole.size(), 2u);
   EXPECT_EQ(whole[whole.size() - 2], "points");
   EXPECT_EQ(whole.back(), "splats");
-  EXPECT_EQ(last->camera.position, bench.camera().position);
+  EXPECT_EQ(last->camera.position, model.camera().position);
 }
 
 TEST_F(LevelsTest, ChosenPointsStayWhenTheViewChanges) {
-  Workbench bench(start());
-  bench.set_size(width, height);
-  ASSERT_TRUE(settle(bench));
-  bench.pick(width / 2.0, height / 2.0);
-  ASSERT_TRUE(wait(bench, [&] { return !bench.picks.points().empty(); }));
-  const dvec3 picked = bench.picks.points()[0].world;
-  bench.move("turn", [](Navigator& navigator) {
+  ViewModel model(start());
+  model.set_size(width, height);
+  ASSERT_TRUE(settle(model));
+  model.pick(width / 2.0, height / 2.0);
+  ASSERT_TRUE(wait(model, [&] { return !model.picks.points().empty(); }));
+  const dvec3 picked = model.picks.points()[0].world;
+  model.move("turn", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     near.position = near.target + 0.2 * (near.position - near.target);
     navigator.set_camera(near);
   });
-  ASSERT_TRUE(settle(bench));
-  ASSERT_EQ(bench.picks.points().size(), 1u);
-  EXPECT_EQ(bench.picks.points()[0].world, picked);
+  ASSERT_TRUE(settle(model));
+  ASSERT_EQ(model.picks.points().size(), 1u);
+  EXPECT_EQ(model.picks.points()[0].world, picked);
 }
 
 TEST_F(LevelsTest, AClassThatIsHiddenStaysHiddenInEveryView) {
-  Workbench bench(start());
-  bench.set_size(width, height);
-  ASSERT_TRUE(settle(bench));
-  const ViewCamera seen = bench.wishes().camera;
-  bench.change("hide", [](Wishes& wishes) { wishes.hide_classes = {6}; });
-  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
-  ASSERT_TRUE(settle(bench));
-  EXPECT_EQ(bench.wishes().camera, seen);
-  EXPECT_FALSE(has_walls(*bench.scene.loaded()));
-  EXPECT_EQ(bench.scene.loaded()->classes.size(), 2u) << "what is hidden can be shown again";
-  bench.move("zoom", [](Navigator& navigator) {
+  ViewModel model(start());
+  model.set_size(width, height);
+  ASSERT_TRUE(settle(model));
+  const ViewCamera seen = model.request().camera;
+  model.change("hide", [](ViewRequest& request) { request.hide_classes = {6}; });
+  ASSERT_TRUE(wait(model, [&] { return model.scene.loading(); }));
+  ASSERT_TRUE(settle(model));
+  EXPECT_EQ(model.request().camera, seen);
+  EXPECT_FALSE(has_walls(*model.scene.loaded()));
+  EXPECT_EQ(model.scene.loaded()->classes.size(), 2u) << "what is hidden can be shown again";
+  model.move("zoom", [](Navigator& navigator) {
     ViewCamera near = navigator.camera();
     near.position = near.target + 0.2 * (near.position - near.target);
     navigator.set_camera(near);
   });
-  ASSERT_TRUE(settle(bench));
-  EXPECT_FALSE(has_walls(*bench.scene.loaded()));
-  EXPECT_EQ(bench.scene.loaded()->classes.size(), 2u);
+  ASSERT_TRUE(settle(model));
+  EXPECT_FALSE(has_walls(*model.scene.loaded()));
+  EXPECT_EQ(model.scene.loaded()->classes.size(), 2u);
 }
 
 // One reading of the coarse levels says which classes there are, whatever is selected of them.
@@ -306,22 +306,22 @@ TEST_F(LevelsTest, ClassesBesideABoxAreKnown) {
 
 // What cannot be opened is said once, and not again for every view of what is still on the screen.
 TEST_F(LevelsTest, AFileThatCannotBeReadIsSaidOnce) {
-  Workbench bench(start());
-  bench.set_size(width, height);
-  ASSERT_TRUE(settle(bench));
-  bench.open({(folder_ / "missing.copc.laz").string()}, false);
-  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
-  ASSERT_TRUE(settle(bench));
+  ViewModel model(start());
+  model.set_size(width, height);
+  ASSERT_TRUE(settle(model));
+  model.open({(folder_ / "missing.copc.laz").string()}, false);
+  ASSERT_TRUE(wait(model, [&] { return model.scene.loading(); }));
+  ASSERT_TRUE(settle(model));
   for (int n = 0; n < 2; ++n) {
-    bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
-    ASSERT_TRUE(settle(bench));
+    model.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 200, hand.camera().target); });
+    ASSERT_TRUE(settle(model));
   }
   EXPECT_THAT(std::exchange(mistakes_, {}), ::testing::SizeIs(1));
-  bench.undo();  // the turn
-  bench.undo();
-  ASSERT_TRUE(wait(bench, [&] { return bench.scene.loading(); }));
-  ASSERT_TRUE(settle(bench));
-  EXPECT_TRUE(bench.scene.loaded()->nodes);
+  model.undo();  // the turn
+  model.undo();
+  ASSERT_TRUE(wait(model, [&] { return model.scene.loading(); }));
+  ASSERT_TRUE(settle(model));
+  EXPECT_TRUE(model.scene.loaded()->nodes);
 }
 
 }  // namespace

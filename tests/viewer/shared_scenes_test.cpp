@@ -1,4 +1,4 @@
-// Several workbenches over one scene: read once, in memory once, each with a view and a look of its own.
+// Several view models over one scene: read once, in memory once, each with a view and a look of its own.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "io/io.h"
-#include "view/workbench.h"
+#include "view/view_model.h"
 
 namespace sfumato::view {
 namespace {
@@ -32,23 +32,23 @@ class SharedScenesTest : public ::testing::Test {
   }
   ~SharedScenesTest() override { std::filesystem::remove_all(folder_); }
 
-  std::unique_ptr<Workbench> open(std::shared_ptr<SharedScenes> shared) const {
+  std::unique_ptr<ViewModel> open(std::shared_ptr<SharedScenes> shared) const {
     Start start;
-    start.wishes.files = {file_};
-    start.wishes.technique = "points";
+    start.request.files = {file_};
+    start.request.technique = "points";
     start.wake = [] {};
     start.shared = std::move(shared);
-    auto bench = std::make_unique<Workbench>(std::move(start));
-    bench->set_size(160, 100);
-    return bench;
+    auto model = std::make_unique<ViewModel>(std::move(start));
+    model->set_size(160, 100);
+    return model;
   }
-  void settle(std::initializer_list<Workbench*> benches) const {
+  void settle(std::initializer_list<ViewModel*> models) const {
     for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
       bool all = true;
-      for (Workbench* bench : benches) {
-        bench->tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
-        for (const Message& message : bench->take_messages()) EXPECT_FALSE(message.is_error) << message.text;
-        all = all && bench->settled();
+      for (ViewModel* model : models) {
+        model->tick(1e3 * std::chrono::duration<double>(Clock::now() - began_).count());
+        for (const Message& message : model->take_messages()) EXPECT_FALSE(message.is_error) << message.text;
+        all = all && model->settled();
       }
       if (all) return;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -56,10 +56,10 @@ class SharedScenesTest : public ::testing::Test {
     FAIL() << "the pictures did not come within a minute";
   }
   /// The last has so many points.
-  void until(std::uint64_t points, std::initializer_list<Workbench*> benches) const {
-    const Workbench* last = *(benches.end() - 1);
+  void until(std::uint64_t points, std::initializer_list<ViewModel*> models) const {
+    const ViewModel* last = *(models.end() - 1);
     for (const auto from = Clock::now(); Clock::now() - from < std::chrono::minutes(1);) {
-      settle(benches);
+      settle(models);
       if (last->scene.loaded()->points_shown == points) return;
     }
     FAIL() << "other points did not come within a minute";
@@ -86,10 +86,10 @@ TEST_F(SharedScenesTest, SecondReadsNothingAndSharesThePoints) {
 }
 
 TEST_F(SharedScenesTest, EachHasTheViewAndTheLookThatItHasAlone) {
-  const auto look = [](Workbench& bench) {
-    bench.change("technique", [](Wishes& next) { next.technique = "splats"; });
-    bench.change("color", [](Wishes& next) { next.color.color_by = "classification"; });
-    bench.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 100, dvec3(25, 25, 3)); });
+  const auto look = [](ViewModel& model) {
+    model.change("technique", [](ViewRequest& next) { next.technique = "splats"; });
+    model.change("color", [](ViewRequest& next) { next.color.color_by = "classification"; });
+    model.move("turn", [](Navigator& hand) { hand.rotate(40, 10, 100, dvec3(25, 25, 3)); });
   };
   const auto alone = open(nullptr), alone_with_look = open(nullptr);
   settle({alone.get(), alone_with_look.get()});
@@ -115,7 +115,7 @@ TEST_F(SharedScenesTest, AnotherSelectionOfPointsIsNobodyElses) {
   settle({first.get()});
   auto second = open(shared);
   settle({first.get(), second.get()});
-  second->change("classes", [](Wishes& next) { next.hide_classes = {2}; });
+  second->change("classes", [](ViewRequest& next) { next.hide_classes = {2}; });
   until(1250, {first.get(), second.get()});
   settle({first.get(), second.get()});
   EXPECT_EQ(first->scene.loaded()->points_shown, 2500u);

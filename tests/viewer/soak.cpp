@@ -43,9 +43,9 @@ double memory_mb() {
 /// What a hand does next, a step a frame.
 class Hand {
  public:
-  Hand(unsigned seed, Window& window, view::Workbench& bench, Interface& interface,
+  Hand(unsigned seed, Window& window, view::ViewModel& model, Interface& interface,
        std::vector<std::string> files)
-      : random_(seed), window_(window), bench_(bench), interface_(interface), files_(std::move(files)) {}
+      : random_(seed), window_(window), model_(model), interface_(interface), files_(std::move(files)) {}
 
   /// In place of the input of this frame.
   void move() {
@@ -135,7 +135,7 @@ class Hand {
         interface_.act(action);
     } else if (what < 94) {
       const std::string file = files_[std::size_t(dice(int(files_.size())))];
-      const bool add = dice(2) == 0 && bench_.wishes().files.size() < 2;
+      const bool add = dice(2) == 0 && model_.request().files.size() < 2;
       name("open " + file + (add ? " beside" : ""));
       interface_.drop({file}, add);
     } else if (what < 96) {
@@ -146,7 +146,7 @@ class Hand {
       steps_ = 30;
     } else {
       name("edit items");
-      bench_.change("item", [&](view::Wishes& next) {
+      model_.change("item", [&](view::ViewRequest& next) {
         if (next.items.size() > 2) next.items.clear();
         static const char* const rules[] = {"class ground: soft opacity=0.4", "z 0..: splats", "x ..0: none",
                                             "*: layers", "y 0..: strokes"};
@@ -157,7 +157,7 @@ class Hand {
 
   std::mt19937 random_;
   Window& window_;
-  view::Workbench& bench_;
+  view::ViewModel& model_;
   Interface& interface_;
   std::vector<std::string> files_;
   std::string typed_, last_;
@@ -174,17 +174,17 @@ int fail(const std::string& what) {
 
 int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
   view::Start start;
-  start.wishes.files = {files.front()};
-  start.wishes.technique = "points";
-  const view::Wishes plain = start.wishes;
+  start.request.files = {files.front()};
+  start.request.technique = "points";
+  const view::ViewRequest plain = start.request;
   Window window(1000, 640, "soak");
   start.wake = [] { Window::wake(); };
-  view::Workbench bench(std::move(start));
-  Interface interface(window, bench);
-  Hand hand(seed, window, bench, interface, files);
+  view::ViewModel model(std::move(start));
+  Interface interface(window, model);
+  Hand hand(seed, window, model, interface, files);
   window.on_input = [&] { hand.move(); };
   long mistakes = 0;
-  bench.on_message = [&](const view::Message& message) { mistakes += message.is_error; };
+  model.on_message = [&](const view::Message& message) { mistakes += message.is_error; };
 
   double longest_ms = 0;
   std::string during;
@@ -192,16 +192,16 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
   const auto frame = [&] {
     window.begin_frame(0.004);
     const double before = now_ms();
-    bench.tick(now_ms());
+    model.tick(now_ms());
     interface.draw(now_ms());
-    bench.tick(now_ms());
+    model.tick(now_ms());
     const double took = now_ms() - before;
     window.end_frame(now_ms());
     if (took > longest_ms) longest_ms = took, during = hand.last();
-    for (std::string& each : bench.take_driver_messages()) complaints.push_back(std::move(each));
+    for (std::string& each : model.take_driver_messages()) complaints.push_back(std::move(each));
   };
   const auto until = [&](double seconds, const std::function<bool()>& done) {
-    for (const double end = now_ms() + 1000 * seconds; now_ms() < end && !bench.fatal();) {
+    for (const double end = now_ms() + 1000 * seconds; now_ms() < end && !model.fatal();) {
       frame();
       if (done()) return true;
     }
@@ -215,23 +215,23 @@ int soak(double minutes, unsigned seed, const std::vector<std::string>& files) {
                step_ms = std::clamp(60'000 * minutes / 12, 5'000.0, 60'000.0);
   double next_ms = 0;
   while (true) {
-    if (bench.fatal()) return fail(bench.fatal()->message + " (" + hand.last() + ")");
+    if (model.fatal()) return fail(model.fatal()->message + " (" + hand.last() + ")");
     if (!complaints.empty()) return fail("the driver: " + complaints.front() + " (" + hand.last() + ")");
     if (now_ms() >= next_ms) {
       hand.rest();
       window.resize(1000, 640);
       interface.act(view::Action::clear_picks);
-      bench.path.clear();
+      model.path.clear();
       // By way of another scene, so that the tables of techniques go as well.
       for (const std::string& file : {files.back(), files.front()}) {
-        bench.change("plain", [&](view::Wishes& next) {
+        model.change("plain", [&](view::ViewRequest& next) {
           const view::ViewCamera camera = next.camera;
           next = plain;
           next.files = {file};
           next.place(camera);
         });
         const double asked_ms = now_ms();
-        if (!until(300, [&] { return now_ms() - asked_ms > 500 && bench.settled(); }))
+        if (!until(300, [&] { return now_ms() - asked_ms > 500 && model.settled(); }))
           return fail("no final picture within 300 s after " + hand.last());
       }
       levels.push_back(memory_mb());

@@ -13,7 +13,7 @@ using sfumato::vec4;
 using sfumato::VisiblePoints;
 using sfumato::analysis::CloudFacts;
 using sfumato::analysis::Neighborhoods;
-using sfumato::analysis::Surroundings;
+using sfumato::analysis::NeighborhoodFacts;
 
 namespace {
 
@@ -61,13 +61,13 @@ void Take(Bytes& bytes, CloudFacts& facts) {
   for (const SamplePoint& p : sample) facts.sample.push_back({p.hash, p.place, p.normal, p.color, p.radius, {}});
 }
 
-Bytes BytesOf(const Surroundings& around) {
+Bytes BytesOf(const NeighborhoodFacts& around) {
   Bytes bytes;
   for (const Neighborhoods* each : {&around.dots, &around.noise, &around.anywhere}) put(bytes, *each);
   return bytes;
 }
 
-void Take(Bytes& bytes, Surroundings& around) {
+void Take(Bytes& bytes, NeighborhoodFacts& around) {
   for (Neighborhoods* each : {&around.dots, &around.noise, &around.anywhere}) take(bytes, *each);
 }
 

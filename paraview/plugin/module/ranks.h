@@ -46,11 +46,11 @@ class Bytes {
 };
 
 Bytes BytesOf(const sfumato::analysis::CloudFacts& facts);
-Bytes BytesOf(const sfumato::analysis::Surroundings& around);
+Bytes BytesOf(const sfumato::analysis::NeighborhoodFacts& around);
 Bytes BytesOf(const sfumato::VisiblePoints& visible);
 Bytes BytesOf(const sfumato::PointCloud& points);
 void Take(Bytes& bytes, sfumato::analysis::CloudFacts& facts);
-void Take(Bytes& bytes, sfumato::analysis::Surroundings& around);
+void Take(Bytes& bytes, sfumato::analysis::NeighborhoodFacts& around);
 void Take(Bytes& bytes, sfumato::VisiblePoints& visible);
 void Take(Bytes& bytes, sfumato::PointCloud& points);
 

@@ -182,7 +182,7 @@ void vtkSfumatoMapper::ShowPart(vtkActor* actor, const std::string& technique_wi
     own.is_empty = facts.points == 0;
     own.has_part = own.is_empty;
     if (own.is_empty) return;
-    sfumato::analysis::Surroundings around = surroundings_of(part, facts);
+    sfumato::analysis::NeighborhoodFacts around = neighborhood_facts_of(part, facts);
     Ranks::MergeForAll(around);
     Ranks::Together([&] { own.whole = whole_of(facts, around, part.origin); });
   }
@@ -218,7 +218,7 @@ void vtkSfumatoMapper::DrawParts(vtkRenderer* renderer, vtkActor* actor) {
   std::string technique;
   sfumato::Parameters parameters;
   Ranks::Together([&] {
-    technique = own.part->settle(this->Technique);
+    technique = own.part->resolve(this->Technique);
     parameters = changed_parameters(technique, this->Parameters);
     merges = own.part->merges(technique, camera, parameters);
     lacks = own.part->lacks(technique, parameters), rounds = own.part->rounds(technique, parameters);

@@ -13,7 +13,7 @@ class Batch {
   /// With one file errors are what they always are; with `several` they are told and counted.
   Batch(bool several, Console& console) : several_(several), console_(console) {}
 
-  /// Does `work`. Bad input, unreadable files and impossible wishes of one file end it alone; Ctrl-C, a
+  /// Does `work`. Bad input, unreadable files and impossible requests of one file end it alone; Ctrl-C, a
   /// missing OpenGL and a full memory end everything.
   void run(const std::string& file, const std::function<void()>& work);
   /// 0, or 3 when some failed. Throws Error with the code of the last failure when all of them did.

@@ -21,7 +21,7 @@
 #include "session/notes.h"
 #include "session/opening.h"
 #include "session/preset.h"
-#include "studio.h"
+#include "picture_writer.h"
 #include "video.h"
 #ifdef SFUMATO_VIEWER
 #include "../viewer/viewer.h"
@@ -123,7 +123,7 @@ std::vector<Camera> cameras_of(const RenderOptions& options, const Camera& first
 }
 
 /// A scene and from where it is seen.
-struct Sight {
+struct OpenedScene {
   Opening opening;
   scene::Scene scene = {};
   Camera camera = {};
@@ -155,29 +155,29 @@ PointCloud overview_of(const SceneFiles& files, const RenderOptions& options, Co
 
 /// The view follows from the points, of files with levels from the coarse ones; what is read of those follows
 /// from the view.
-Sight see(const SceneFiles& files, RenderOptions& options, const Choice& choice, RenderReport& report,
-          Console& console) {
-  Sight sight{Opening(options, files, console)};
-  Opening& opening = sight.opening;
+OpenedScene open_scene(const SceneFiles& files, RenderOptions& options, const Choice& choice,
+                       RenderReport& report, Console& console) {
+  OpenedScene opened{Opening(options, files, console)};
+  Opening& opening = opened.opening;
   const Pose& pose = opening.pose();
-  if (!opening.has_levels()) sight.scene = tell_reading(opening.take(), options, report, console);
+  if (!opening.has_levels()) opened.scene = tell_reading(opening.take(), options, report, console);
   tell_pose(pose, options, report, console);
-  sight.camera = opening.camera();
-  sight.cameras =
-      options.sequence || options.each ? std::vector{sight.camera} : cameras_of(options, sight.camera, pose);
+  opened.camera = opening.camera();
+  opened.cameras = options.sequence || options.each ? std::vector{opened.camera}
+                                                    : cameras_of(options, opened.camera, pose);
   // A panorama sees what is behind it as well.
-  for (const Note& note : notes_on(pose, options.panorama ? std::vector<Camera>() : sight.cameras))
+  for (const Note& note : notes_on(pose, options.panorama ? std::vector<Camera>() : opened.cameras))
     console.note(worded(note, FrontEnd::command));
-  if (!opening.has_levels()) return sight;
+  if (!opening.has_levels()) return opened;
   opening.take();
-  std::vector<Camera> first = sight.cameras;
+  std::vector<Camera> first = opened.cameras;
   if (first.size() > 1 && !opening.holds(first, has_shadows(choice))) {
     first.resize(1);
-    sight.by_camera = true;
+    opened.by_camera = true;
     opening.keep_nodes();
   }
-  sight.scene = tell_reading(opening.read(first, has_shadows(choice), console), options, report, console);
-  return sight;
+  opened.scene = tell_reading(opening.read(first, has_shadows(choice), console), options, report, console);
+  return opened;
 }
 
 std::string timings_text(const RenderReport& report, const Choice& choice) {
@@ -244,7 +244,7 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
 /// Several files, one picture each: what is wrong with one file is told, and the others are made.
 int render_each(RenderOptions& options, Choice& choice, const std::string& command, RenderReport& report,
                 Stopwatch& watch, Console& console) {
-  std::unique_ptr<Studio> studio;
+  std::unique_ptr<PictureWriter> writer;
   Batch batch(options.files.size() > 1, console);
   Bounds box;
   Camera camera;
@@ -252,16 +252,16 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
   for (std::size_t n = 0; n < options.files.size(); ++n)
     batch.run(options.files[n], [&] {
       console.set_step("file", n, options.files.size());
-      Sight sight = see({options.placed(n)}, options, choice, report, console);
+      OpenedScene opened = open_scene({options.placed(n)}, options, choice, report, console);
       watch.lap("read");
-      box = bounds(sight.scene.cloud);
-      camera = sight.camera;
-      if (!studio) studio = std::make_unique<Studio>(options, choice, report, command, console);
+      box = bounds(opened.scene.cloud);
+      camera = opened.camera;
+      if (!writer) writer = std::make_unique<PictureWriter>(options, choice, report, command, console);
       choice.reopen();  // what suits one scan need not suit the next
-      console.note(studio->set_scene(std::move(sight.scene), sight.opening.pose()));
+      console.note(writer->set_scene(std::move(opened.scene), opened.opening.pose()));
       console.say_notes({options.files[n]});
       watch.lap("prepare");
-      studio->shoot(camera, int(n), watch);
+      writer->write_picture(camera, int(n), watch);
       ++report.frames;
     });
   const int code = batch.exit_code();
@@ -320,7 +320,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   if (options.each) return render_each(options, choice, command, report, watch, console);
 
   // The files of a sequence are read one by one, and seen by the camera that suits the first.
-  auto [opening, scene, camera, cameras, by_camera] = see(
+  auto [opening, scene, camera, cameras, by_camera] = open_scene(
       options.sequence ? SceneFiles{options.placed(0)} : options.placed(), options, choice, report, console);
   const Pose& pose = opening.pose();
   watch.lap("read");
@@ -338,8 +338,8 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
 
   const std::string crs = scene.cloud.crs;
   const std::vector<io::ReadReport> files = scene.files;
-  Studio studio(options, choice, report, command, console);
-  const std::string technique = studio.set_scene(std::move(scene), pose);
+  PictureWriter writer(options, choice, report, command, console);
+  const std::string technique = writer.set_scene(std::move(scene), pose);
   console.say_notes(options.files);
   watch.lap("prepare");
   for (int n = 0; n < report.frames; ++n) {
@@ -351,13 +351,13 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
                     : opening.read_next({options.placed(std::size_t(n))}, seen, has_shadows(choice), console),
           options, report, console);
       if (overview) next.overview = overview;
-      studio.set_scene(std::move(next), pose);
+      writer.set_scene(std::move(next), pose);
       console.say_notes(options.files);
       watch.lap("prepare");
     }
-    studio.shoot(seen, n, watch);
+    writer.write_picture(seen, n, watch);
   }
-  studio.finish();
+  writer.finish();
   if (options.publication)
     options.publication->finish(facts_to_publish(options, choice, report, command, {pose, box, crs, files}));
   std::optional<Camera> kept = request.preset.camera;

@@ -141,7 +141,7 @@ void RenderOptions::check(std::size_t technique_count) {
   check_window(technique_count);
   common.apply();
   check_outputs(technique_count);
-  settle_view(*this);
+  resolve_view(*this);
   (void)scene_options();
   if (gpu_memory)  // One budget: that of the points that both have room for.
     memory = std::min(memory, std::max<std::uint64_t>(1, *gpu_memory / scene::gpu_memory_of_point) *
@@ -179,7 +179,7 @@ void RenderOptions::check(std::size_t technique_count) {
     if ((sequence || !path.empty()) && file_name(file, {0, "t", "a"}) == file_name(file, {1, "t", "a"}))
       refuse("'" + file + "' names one file for all frames: write {n:04} where the frame's number goes");
   }
-  settle_color(*this);
+  check_color(*this);
 }
 
 void RenderOptions::expand_files() {

@@ -87,27 +87,27 @@ void RenderRequest::check() {
 
 view::Start view_start(RenderOptions& options, Choice& choice) {
   view::Start start;
-  view::Wishes& wishes = start.wishes = view::Wishes(options, options.placed());
+  view::ViewRequest& request = start.request = view::ViewRequest(options, options.placed());
   if (options.sequence) {
     start.frames = options.placed();
-    wishes.files.resize(1);
+    request.files.resize(1);
   }
   for (const Param& param : choice.prepare_parameters.all())
-    if (param.get() != param.default_text) wishes.analysis[param.name] = param.get();
-  for (const auto& chosen : choice.techniques) wishes.take(*chosen);
-  if (!choice.automatic()) wishes.technique = choice.techniques.front()->name;
+    if (param.get() != param.default_text) request.analysis[param.name] = param.get();
+  for (const auto& chosen : choice.techniques) request.take(*chosen);
+  if (!choice.automatic()) request.technique = choice.techniques.front()->name;
   start.memory = options.memory;
   start.watch = options.watch;
   start.shader_folder = options.shader_folder;
   // Called by one thread, which alone uses the choice from then on.
-  start.settle = [&choice](const TechniqueChoice& found) {
-    choice.settle(found);
-    TechniqueChoice settled = found;
-    settled.technique = choice.techniques.front()->name, settled.reason = choice.techniques.front()->reason;
-    return settled;
+  start.resolve = [&choice](const TechniqueChoice& found) {
+    choice.resolve(found);
+    TechniqueChoice resolved = found;
+    resolved.technique = choice.techniques.front()->name, resolved.reason = choice.techniques.front()->reason;
+    return resolved;
   };
   start.first_camera = [&options](const Pose& pose, int width, int height) {
-    ViewWishes view = options.view;
+    CameraRequest view = options.view;
     if (!view.start) view.size = {width, height};
     return view_of(pose, view);
   };

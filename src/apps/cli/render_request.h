@@ -5,7 +5,7 @@
 
 #include "render_options.h"
 #include "session/preset.h"
-#include "view/workbench.h"
+#include "view/view_model.h"
 
 namespace sfumato::cli {
 

@@ -50,9 +50,9 @@ std::shared_ptr<RenderRequest> request_of(Words words, const Words& files, const
 view::Start start_of(const std::shared_ptr<RenderRequest>& request) {
   view::Start start = view_start(request->options, request->choice);
   // What these use stays as long as they do.
-  start.settle = [request, settle = start.settle](const TechniqueChoice& found) {
+  start.resolve = [request, resolve = start.resolve](const TechniqueChoice& found) {
     request->choice.reopen();
-    return settle(found);
+    return resolve(found);
   };
   start.first_camera = [request, first = start.first_camera](const Pose& pose, int width, int height) {
     return first(pose, width, height);
@@ -114,9 +114,9 @@ int serve_command(const Words& words) {
     const auto asked = request_of(words_of(query), options.files, options.preset);
     serve::Request wanted;
     wanted.start = start_of(asked);
-    wanted.start.wishes.placed = start_of(request).wishes.placed;
+    wanted.start.request.placed = start_of(request).request.placed;
     if (const auto& size = asked->options.view.size) std::tie(wanted.width, wanted.height) = *size;
-    const int most = settings.limits.shot_side_px;
+    const int most = settings.limits.saved_side_px;
     if (wanted.width > most || wanted.height > most)
       throw Error(ErrorCode::usage, fmt::format("resolution: at most {0}x{0}", most));
     return wanted;

@@ -42,7 +42,7 @@ double now_ms() {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Calls `tick` of a workbench when it is due; `wake` from any thread.
+/// Calls `tick` of a view model when it is due; `wake` from any thread.
 class Ticker : public std::enable_shared_from_this<Ticker> {
  public:
   Ticker(asio::io_context& io, std::function<void()> tick, std::function<std::optional<double>()> wait)
@@ -93,10 +93,10 @@ class Server {
   std::set<Page*> pages;
   std::size_t connections = 0, renders = 0;
   std::shared_ptr<view::SharedScenes> shared;
-  std::optional<view::Wishes> look;  ///< of all pages, where they look together
+  std::optional<view::ViewRequest> look;  ///< of all pages, where they look together
   std::uint64_t next_page = 1;
 
-  const view::Workbench& keeper() const { return *keeper_; }
+  const view::ViewModel& keeper() const { return *keeper_; }
   bool is_ready() const { return is_ready_; }
   Outside outside();
   void in_background(std::function<void()> work, std::function<void()> then);
@@ -109,7 +109,7 @@ class Server {
 
   tcp::acceptor acceptor_{io};
   asio::thread_pool encoders_{2};
-  std::unique_ptr<view::Workbench> keeper_;
+  std::unique_ptr<view::ViewModel> keeper_;
   std::shared_ptr<Ticker> ticker_;
   bool is_ready_ = false;
   std::optional<view::Failure> failure_;
@@ -150,7 +150,7 @@ class Page : public std::enable_shared_from_this<Page> {
   void tell_activity(const std::string& text, double fraction) {
     say_text(Json{{"state", {{"activity", {{"text", text}, {"fraction", fraction}}}}}}.dump());
   }
-  const view::Workbench* bench() const { return viewer_ ? viewer_->bench() : nullptr; }
+  const view::ViewModel* model() const { return viewer_ ? viewer_->model() : nullptr; }
 
  private:
   struct Out {
@@ -172,8 +172,8 @@ class Page : public std::enable_shared_from_this<Page> {
         });
     view::Start start = server_.sources.start();
     start.wake = ticker_->waker();
-    if (server_.look) start.wishes = *server_.look;
-    known_ = start.wishes;
+    if (server_.look) start.request = *server_.look;
+    known_ = start.request;
     Outside outside = server_.outside();
     outside.send_text = [weak](std::string text) {
       if (const auto self = weak.lock()) self->say_text(std::move(text));
@@ -189,9 +189,10 @@ class Page : public std::enable_shared_from_this<Page> {
 
   /// What this page changed is what all look at.
   void look_together() {
-    if (!server_.settings.share || !bench() || bench()->wishes().frame_on_load || bench()->wishes() == known_)
+    if (!server_.settings.share || !model() || model()->request().frame_on_load ||
+        model()->request() == known_)
       return;
-    server_.look = known_ = bench()->wishes();
+    server_.look = known_ = model()->request();
     for (Page* other : server_.pages)
       if (other != this && other->viewer_) {
         other->known_ = known_;
@@ -275,7 +276,7 @@ class Page : public std::enable_shared_from_this<Page> {
   double allowance_ = messages_a_second, heard_ms_ = 0;
   std::shared_ptr<Viewer> viewer_;
   std::shared_ptr<Ticker> ticker_;
-  view::Wishes known_;  ///< what this page showed when pages last agreed
+  view::ViewRequest known_;  ///< what this page showed when pages last agreed
 };
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace sfumato::serve {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using view::Wishes;
-using view::Workbench;
+using view::ViewModel;
+using view::ViewRequest;
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorCode::usage, "a message of the page: " + what);
@@ -82,15 +82,15 @@ class Message {
   Json json_;
 };
 
-void drag(Workbench& bench, const Hand& hand, double dx, double dy) {
-  const int height = bench.height();
+void drag(ViewModel& model, const Hand& hand, double dx, double dy) {
+  const int height = model.height();
   if (hand.kind == Hand::Kind::light)
-    bench.change("light", [&](Wishes& next) {
-      next.set("light", view::drag_light(next.settings(), bench.camera(), bench.navigator().up_axis(), dx, dy,
+    model.change("light", [&](ViewRequest& next) {
+      next.set("light", view::drag_light(next.settings(), model.camera(), model.navigator().up_axis(), dx, dy,
                                          height));
     });
   else if (hand.kind != Hand::Kind::none)
-    bench.move(hand.kind == Hand::Kind::rotate ? "rotate" : "pan", [&](view::Navigator& to) {
+    model.move(hand.kind == Hand::Kind::rotate ? "rotate" : "pan", [&](view::Navigator& to) {
       if (hand.kind == Hand::Kind::rotate)
         to.rotate(dx, dy, height, hand.pivot);
       else
@@ -98,11 +98,11 @@ void drag(Workbench& bench, const Hand& hand, double dx, double dy) {
     });
 }
 
-void show_class(Workbench& bench, int id, bool shown) {
-  bench.change("classes", [&](Wishes& next) {
+void show_class(ViewModel& model, int id, bool shown) {
+  model.change("classes", [&](ViewRequest& next) {
     Selection& wanted = next.points.selection;
-    if (!wanted.show_classes.empty() && bench.scene.loaded()) {
-      for (const ClassShare& each : bench.scene.loaded()->classes)
+    if (!wanted.show_classes.empty() && model.scene.loaded()) {
+      for (const ClassShare& each : model.scene.loaded()->classes)
         if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), each.id) ==
             wanted.show_classes.end())
           next.hide_classes.push_back(each.id);
@@ -114,8 +114,8 @@ void show_class(Workbench& bench, int id, bool shown) {
   });
 }
 
-void set_color(Workbench& bench, const std::string& name, const std::string& value) {
-  bench.change(name, [&](Wishes& next) {
+void set_color(ViewModel& model, const std::string& name, const std::string& value) {
+  model.change(name, [&](ViewRequest& next) {
     if (name == "color_by") return next.show_source(value);
     const auto option = color_options.find(name);
     if (option == color_options.end()) refuse("there is no colour setting '" + name + "'");
@@ -123,7 +123,7 @@ void set_color(Workbench& bench, const std::string& name, const std::string& val
   });
 }
 
-void draw_rows(Workbench& bench, const Json& rows) {
+void draw_rows(ViewModel& model, const Json& rows) {
   std::vector<view::DrawRow> wanted;
   for (const Json& each : rows) {
     if (!each.is_object() || !each.contains("rule") || !each["rule"].is_string()) refuse("a row has no rule");
@@ -131,124 +131,124 @@ void draw_rows(Workbench& bench, const Json& rows) {
     if (each.contains("visible") && each["visible"].is_boolean()) row.visible = each["visible"].get<bool>();
     wanted.push_back(row);
   }
-  bench.change("items", [&](Wishes& next) { next.items = wanted; });
+  model.change("items", [&](ViewRequest& next) { next.items = wanted; });
 }
 
-void show_side(Workbench& bench, const std::string& side) {
-  bench.move(side, [&](view::Navigator& to) {
-    if (side == "reset") return to.set_camera(bench.wishes().home);
-    if (side == "frame") return to.frame(bench.width(), bench.height());
+void show_side(ViewModel& model, const std::string& side) {
+  model.move(side, [&](view::Navigator& to) {
+    if (side == "reset") return to.set_camera(model.request().home);
+    if (side == "frame") return to.frame(model.width(), model.height());
     if (side == "parallel") return to.toggle_orthographic();
-    to.show(find_view(side, "view"), bench.width(), bench.height());
+    to.show(find_view(side, "view"), model.width(), model.height());
   });
 }
 
-void path(Workbench& bench, const Message& said, const Limits& limits) {
+void path(ViewModel& model, const Message& said, const Limits& limits) {
   const std::string what = said.text("what");
   if (what == "add") {
-    if (bench.path.keys().size() >= limits.path_keys) return bench.say("the path is full", true);
-    return bench.path.add(bench.wishes().camera);
+    if (model.path.keys().size() >= limits.path_keys) return model.say("the path is full", true);
+    return model.path.add(model.request().camera);
   }
-  if (what == "clear") return bench.path.clear();
-  if (what == "play") return bench.play(true);
-  if (what == "stop") return bench.play(false);
+  if (what == "clear") return model.path.clear();
+  if (what == "play") return model.play(true);
+  if (what == "stop") return model.play(false);
   if (what == "seconds") {
-    bench.path.seconds_per_key = std::clamp(said.number("value"), 0.05, 60.0);
+    model.path.seconds_per_key = std::clamp(said.number("value"), 0.05, 60.0);
     return;
   }
-  if (what == "remove" && !bench.path.empty())
-    return bench.path.remove(std::size_t(said.whole("key", 0, int(bench.path.keys().size()) - 1)));
+  if (what == "remove" && !model.path.empty())
+    return model.path.remove(std::size_t(said.whole("key", 0, int(model.path.keys().size()) - 1)));
   refuse("there is no step '" + what + "' of a path");
 }
 
-using Deed = std::function<void(Workbench&, Hand&, const Message&, const Limits&)>;
+using Deed = std::function<void(ViewModel&, Hand&, const Message&, const Limits&)>;
 
 const std::map<std::string, Deed>& deeds() {
   static const std::map<std::string, Deed> all{
       {"size",
-       [](auto& bench, auto&, auto& said, auto& limits) {
-         bench.set_size(said.whole("width", 1, limits.side_px), said.whole("height", 1, limits.side_px));
+       [](auto& model, auto&, auto& said, auto& limits) {
+         model.set_size(said.whole("width", 1, limits.side_px), said.whole("height", 1, limits.side_px));
        }},
       {"got", [](auto&, auto& hand, auto& said,
                  auto&) { hand.confirmed = std::uint64_t(std::max(0.0, said.number("id"))); }},
       {"pointer",
-       [](auto& bench, auto& hand, auto& said, auto&) {
+       [](auto& model, auto& hand, auto& said, auto&) {
          hand.pointed = true;
          hand.pointer.reset();
-         if (!said.flag("away")) hand.pointer = bench.place_at(said.number("x"), said.number("y"));
+         if (!said.flag("away")) hand.pointer = model.place_at(said.number("x"), said.number("y"));
        }},
       {"command", [](auto&, auto& hand, auto&, auto&) { hand.wants_command = true; }},
       {"grab",
-       [](auto& bench, auto& hand, auto& said, auto&) {
+       [](auto& model, auto& hand, auto& said, auto&) {
          const std::string kind = said.text("kind");
          hand.kind = kind == "rotate"  ? Hand::Kind::rotate
                      : kind == "light" ? Hand::Kind::light
                                        : Hand::Kind::pan;
          const double x = said.number("x"), y = said.number("y");
-         hand.pivot = hand.kind == Hand::Kind::rotate ? bench.pivot_at(x, y) : bench.place_at(x, y);
+         hand.pivot = hand.kind == Hand::Kind::rotate ? model.pivot_at(x, y) : model.place_at(x, y);
        }},
-      {"drag", [](auto& bench, auto& hand, auto& said,
-                  auto&) { drag(bench, hand, said.number("dx"), said.number("dy")); }},
+      {"drag", [](auto& model, auto& hand, auto& said,
+                  auto&) { drag(model, hand, said.number("dx"), said.number("dy")); }},
       {"zoom",
-       [](auto& bench, auto&, auto& said, auto&) {
-         const dvec3 place = bench.place_at(said.number("x"), said.number("y"));
+       [](auto& model, auto&, auto& said, auto&) {
+         const dvec3 place = model.place_at(said.number("x"), said.number("y"));
          const double steps = std::clamp(said.number("steps"), -50.0, 50.0);
-         bench.move("zoom", [&](view::Navigator& to) { to.zoom(steps, place); });
+         model.move("zoom", [&](view::Navigator& to) { to.zoom(steps, place); });
        }},
       {"angle",
-       [](auto& bench, auto&, auto& said, auto&) {
+       [](auto& model, auto&, auto& said, auto&) {
          const double steps = std::clamp(said.number("steps"), -50.0, 50.0);
-         bench.move("angle", [&](view::Navigator& to) { to.set_angle(to.camera().fov_deg - 2 * steps); });
+         model.move("angle", [&](view::Navigator& to) { to.set_angle(to.camera().fov_deg - 2 * steps); });
        }},
       {"fly",
-       [](auto& bench, auto&, auto& said, auto&) {
+       [](auto& model, auto&, auto& said, auto&) {
          const std::vector<double> way = said.numbers("way", 3);
          if (way.empty()) refuse("there is no way to fly");
          const dvec3 along = glm::clamp(dvec3(way[0], way[1], way[2]), dvec3(-1), dvec3(1));
          const double seconds = std::clamp(said.number("seconds"), 0.0, 0.25);
-         bench.move("fly", [&](view::Navigator& to) { to.fly(along, seconds, said.flag("fast") ? 5 : 1); });
+         model.move("fly", [&](view::Navigator& to) { to.fly(along, seconds, said.flag("fast") ? 5 : 1); });
        }},
       {"look_at",
-       [](auto& bench, auto&, auto& said, auto&) {
-         const dvec3 place = bench.pivot_at(said.number("x"), said.number("y"));
-         bench.move("pivot", [&](view::Navigator& to) { to.look_at(place); });
+       [](auto& model, auto&, auto& said, auto&) {
+         const dvec3 place = model.pivot_at(said.number("x"), said.number("y"));
+         model.move("pivot", [&](view::Navigator& to) { to.look_at(place); });
        }},
-      {"view", [](auto& bench, auto&, auto& said, auto&) { show_side(bench, said.text("name")); }},
-      {"pick", [](auto& bench, auto&, auto& said,
-                  auto&) { bench.pick(said.number("x"), said.number("y"), said.flag("add")); }},
-      {"clear", [](auto& bench, auto&, auto&, auto&) { bench.picks.clear(), bench.picks.close_profile(); }},
-      {"profile", [](auto& bench, auto&, auto& said, auto&) { bench.cut_profile(said.number("width")); }},
+      {"view", [](auto& model, auto&, auto& said, auto&) { show_side(model, said.text("name")); }},
+      {"pick", [](auto& model, auto&, auto& said,
+                  auto&) { model.pick(said.number("x"), said.number("y"), said.flag("add")); }},
+      {"clear", [](auto& model, auto&, auto&, auto&) { model.picks.clear(), model.picks.close_profile(); }},
+      {"profile", [](auto& model, auto&, auto& said, auto&) { model.cut_profile(said.number("width")); }},
       {"technique",
-       [](auto& bench, auto&, auto& said, auto&) {
+       [](auto& model, auto&, auto& said, auto&) {
          const std::string name = said.text("name");
-         bench.change("technique", [&](Wishes& next) { next.technique = find_technique(name).name; });
+         model.change("technique", [&](ViewRequest& next) { next.technique = find_technique(name).name; });
        }},
       {"set",
-       [](auto& bench, auto&, auto& said, auto&) {
+       [](auto& model, auto&, auto& said, auto&) {
          const std::string name = said.text("name"), value = said.text("value");
-         bench.change(name, [&](Wishes& next) { next.set(name, value); });
+         model.change(name, [&](ViewRequest& next) { next.set(name, value); });
        }},
       {"reset",
-       [](auto& bench, auto&, auto& said, auto&) {
+       [](auto& model, auto&, auto& said, auto&) {
          const std::string name = said.text("name");
-         bench.change(name, [&](Wishes& next) { name.empty() ? next.reset_all() : next.reset(name); });
+         model.change(name, [&](ViewRequest& next) { name.empty() ? next.reset_all() : next.reset(name); });
        }},
-      {"color", [](auto& bench, auto&, auto& said,
-                   auto&) { set_color(bench, said.text("name"), said.text("value")); }},
+      {"color", [](auto& model, auto&, auto& said,
+                   auto&) { set_color(model, said.text("name"), said.text("value")); }},
       {"legend",
-       [](auto& bench, auto&, auto& said, auto&) {
-         bench.change("legend", [on = said.flag("on")](Wishes& next) { next.furniture.legend = on; });
+       [](auto& model, auto&, auto& said, auto&) {
+         model.change("legend", [on = said.flag("on")](ViewRequest& next) { next.furniture.legend = on; });
        }},
       {"whole",
-       [](auto& bench, auto&, auto& said, auto&) {
-         bench.change("whole room", [on = said.flag("on")](Wishes& next) { next.whole = on; });
+       [](auto& model, auto&, auto& said, auto&) {
+         model.change("whole room", [on = said.flag("on")](ViewRequest& next) { next.whole = on; });
        }},
-      {"class", [](auto& bench, auto&, auto& said,
-                   auto&) { show_class(bench, said.whole("id", 0, 255), said.flag("shown")); }},
+      {"class", [](auto& model, auto&, auto& said,
+                   auto&) { show_class(model, said.whole("id", 0, 255), said.flag("shown")); }},
       {"clip",
-       [](auto& bench, auto&, auto& said, auto&) {
+       [](auto& model, auto&, auto& said, auto&) {
          const std::vector<double> box = said.numbers("box", 6);
-         bench.change("clip", [&](Wishes& next) {
+         model.change("clip", [&](ViewRequest& next) {
            auto& crop = next.points.selection.crop;
            if (box.empty()) return crop.reset();
            const dvec3 a(box[0], box[1], box[2]), b(box[3], box[4], box[5]);
@@ -256,17 +256,17 @@ const std::map<std::string, Deed>& deeds() {
          });
        }},
       {"draw",
-       [](auto& bench, auto&, auto& said, auto& limits) {
+       [](auto& model, auto&, auto& said, auto& limits) {
          const Json* rows = said.list("rows", limits.draw_rows);
-         draw_rows(bench, rows ? *rows : Json::array());
+         draw_rows(model, rows ? *rows : Json::array());
        }},
-      {"undo", [](auto& bench, auto&, auto&, auto&) { bench.undo(); }},
-      {"redo", [](auto& bench, auto&, auto&, auto&) { bench.redo(); }},
-      {"path", [](auto& bench, auto&, auto& said, auto& limits) { path(bench, said, limits); }},
+      {"undo", [](auto& model, auto&, auto&, auto&) { model.undo(); }},
+      {"redo", [](auto& model, auto&, auto&, auto&) { model.redo(); }},
+      {"path", [](auto& model, auto&, auto& said, auto& limits) { path(model, said, limits); }},
       {"shoot",
-       [](auto& bench, auto&, auto& said, auto& limits) {
-         bench.shoot(said.whole("width", 1, limits.shot_side_px),
-                     said.whole("height", 1, limits.shot_side_px));
+       [](auto& model, auto&, auto& said, auto& limits) {
+         model.save_picture(said.whole("width", 1, limits.saved_side_px),
+                            said.whole("height", 1, limits.saved_side_px));
        }},
   };
   return all;
@@ -274,11 +274,11 @@ const std::map<std::string, Deed>& deeds() {
 
 }  // namespace
 
-void obey(Workbench& bench, Hand& hand, std::string_view text, const Limits& limits) {
+void obey(ViewModel& model, Hand& hand, std::string_view text, const Limits& limits) {
   const Message said(text);
   const auto deed = deeds().find(said.text("do"));
   if (deed == deeds().end()) refuse("there is no deed '" + said.text("do") + "'");
-  deed->second(bench, hand, said, limits);
+  deed->second(model, hand, said, limits);
 }
 
 }  // namespace sfumato::serve

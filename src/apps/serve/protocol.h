@@ -1,4 +1,4 @@
-// Messages of a page as edits of a workbench, and its state as JSON.
+// Messages of a page as edits of a view model, and its state as JSON.
 #pragma once
 
 #include <map>
@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "view/workbench.h"
+#include "view/view_model.h"
 
 namespace sfumato::serve {
 
@@ -23,8 +23,8 @@ struct Hand {
 
 /// Limits of what a page may ask for.
 struct Limits {
-  int side_px = 4096;        ///< of a picture in the page
-  int shot_side_px = 16384;  ///< of a picture to keep
+  int side_px = 4096;         ///< of a picture in the page
+  int saved_side_px = 16384;  ///< of a picture to keep
   std::size_t path_keys = 1000, draw_rows = 100;
 };
 
@@ -35,15 +35,15 @@ inline const std::map<std::string, const char*> color_options{{"colormap", "colo
                                                               {"point_color", "color"},
                                                               {"background_color", "background-color"}};
 
-/// Does what one message asks. Throws Error(usage) for what is no message of ours; what the workbench
+/// Does what one message asks. Throws Error(usage) for what is no message of ours; what the view model
 /// refuses, it says itself.
-void obey(view::Workbench& bench, Hand& hand, std::string_view text, const Limits& limits);
+void obey(view::ViewModel& model, Hand& hand, std::string_view text, const Limits& limits);
 
 /// What panels show, in parts that are sent when they change.
-nlohmann::ordered_json state_of(const view::Workbench& bench);
+nlohmann::ordered_json state_of(const view::ViewModel& model);
 
 /// Of a server, for programs.
-nlohmann::ordered_json info_of(const view::Workbench& bench);
+nlohmann::ordered_json info_of(const view::ViewModel& model);
 
 /// A camera as the page calculates with it.
 nlohmann::ordered_json camera_json(const Camera& camera);

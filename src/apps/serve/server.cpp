@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "../picture/shot.h"
+#include "../picture/saved_picture.h"
 #include "core/error.h"
 
 namespace sfumato::serve {
@@ -96,7 +96,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return refuse(400, error.what());
     }
     wanted.start.shared = server_.shared;
-    if (!server_.outside().may_show(wanted.start.wishes.scene_key()))
+    if (!server_.outside().may_show(wanted.start.request.scene_key()))
       return refuse(503, "the server's limit of selections of points is reached (--selections)");
     const auto self = shared_from_this();
     ticker_ = std::make_shared<Ticker>(
@@ -106,13 +106,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
         },
         [weak = weak_from_this()]() -> std::optional<double> {
           const auto me = weak.lock();
-          return me && me->bench_ ? std::min(me->bench_->wait_ms(now_ms()).value_or(1000), 1000.0)
+          return me && me->model_ ? std::min(me->model_->wait_ms(now_ms()).value_or(1000), 1000.0)
                                   : std::optional<double>();
         });
     wanted.start.wake = ticker_->waker();
-    bench_ = std::make_unique<view::Workbench>(wanted.start);
-    bench_->set_size(wanted.width, wanted.height);
-    bench_->shoot(wanted.width, wanted.height);
+    model_ = std::make_unique<view::ViewModel>(wanted.start);
+    model_->set_size(wanted.width, wanted.height);
+    model_->save_picture(wanted.width, wanted.height);
     ++server_.renders;
     render_until_ = Clock::now() + render_patience;
     stream_.expires_never();
@@ -122,26 +122,26 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void end_render() {
     if (ticker_) ticker_->stop();
-    bench_.reset();
+    model_.reset();
     --server_.renders;
   }
 
   void tick_render() {
-    if (!bench_) return;
+    if (!model_) return;
     const auto self = std::exchange(itself_, nullptr);
-    bench_->tick(now_ms());
-    std::vector<view::Shot> shots = bench_->shots.take();
+    model_->tick(now_ms());
+    std::vector<view::SavedPicture> finished = model_->saved_pictures.take();
     std::string complaint;
-    for (const view::Message& each : bench_->take_messages())
+    for (const view::Message& each : model_->take_messages())
       if (each.is_error) complaint = each.text;
-    if (bench_->fatal()) complaint = bench_->fatal()->message;
-    if (!shots.empty()) {
+    if (model_->fatal()) complaint = model_->fatal()->message;
+    if (!finished.empty()) {
       end_render();
       auto encoded = std::make_shared<std::string>();
-      const std::string line = command_of(shots.front().words, "picture.png");
+      const std::string line = command_of(finished.front().words, "picture.png");
       server_.in_background(
-          [encoded, shot = std::move(shots.front())]() mutable {
-            *encoded = io::png_bytes(shot.picture.image, false, finish(shot, "picture.png"));
+          [encoded, saved = std::move(finished.front())]() mutable {
+            *encoded = io::png_bytes(saved.picture.image, false, finish(saved, "picture.png"));
           },
           [self, encoded, line] { self->send(200, "image/png", std::move(*encoded), line); });
     } else if (!complaint.empty() || Clock::now() > render_until_) {
@@ -201,7 +201,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<http::request_parser<http::empty_body>> parser_;
   bool is_head_ = false, keeps_ = false;
   unsigned version_ = 11;
-  std::unique_ptr<view::Workbench> bench_;
+  std::unique_ptr<view::ViewModel> model_;
   std::shared_ptr<Ticker> ticker_;
   std::shared_ptr<Connection> itself_;
   Clock::time_point render_until_;
@@ -243,9 +243,9 @@ Outside Server::outside() {
     const auto add = [&](const std::optional<view::SceneKey>& another) {
       if (std::find(keys.begin(), keys.end(), another) == keys.end()) keys.push_back(another);
     };
-    add(keeper_->wishes().scene_key());
+    add(keeper_->request().scene_key());
     for (const Page* page : pages)
-      if (page->bench()) add(page->bench()->scene.key());
+      if (page->model()) add(page->model()->scene.key());
     return keys.size() <= settings.selections;
   };
   return outside;
@@ -261,7 +261,7 @@ void Server::in_background(std::function<void()> work, std::function<void()> the
   });
 }
 
-/// The driver is gone, with all that it held: everything begins anew, with the same wishes.
+/// The driver is gone, with all that it held: everything begins anew, with the same requests.
 void Server::lost(const view::Failure& failure) {
   if (failure.id != 0 && !is_ready_) {
     failure_ = failure;
@@ -292,7 +292,7 @@ void Server::begin() {
   view::Start start = sources.start();
   start.wake = ticker_->waker();
   start.shared = shared;
-  keeper_ = std::make_unique<view::Workbench>(start);
+  keeper_ = std::make_unique<view::ViewModel>(start);
   keeper_->set_size(16, 16);
   ticker_->run();
 }

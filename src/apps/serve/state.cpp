@@ -10,20 +10,20 @@ namespace sfumato::serve {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using view::Wishes;
-using view::Workbench;
+using view::ViewModel;
+using view::ViewRequest;
 
 Json json_of(const dvec3& v) { return Json::array({v.x, v.y, v.z}); }
 
-std::string resolved(const Workbench& bench, const view::Control& control) {
-  const auto& picture = bench.picture();
-  if (control.is_auto && picture && picture->technique == bench.wishes().technique)
+std::string resolved(const ViewModel& model, const view::Control& control) {
+  const auto& picture = model.picture();
+  if (control.is_auto && picture && picture->technique == model.request().technique)
     for (const auto& [name, value] : picture->resolved)
       if (name == control.name) return value;
   return control.value;
 }
 
-Json control_json(const Workbench& bench, const view::Control& control) {
+Json control_json(const ViewModel& model, const view::Control& control) {
   const char* const kind = control.kind == ParamKind::boolean   ? "boolean"
                            : control.kind == ParamKind::integer ? "integer"
                            : control.kind == ParamKind::real    ? "real"
@@ -34,7 +34,7 @@ Json control_json(const Workbench& bench, const view::Control& control) {
             {"group", control.group},
             {"help", control.tooltip},
             {"kind", kind},
-            {"value", resolved(bench, control)},
+            {"value", resolved(model, control)},
             {"default", control.default_value},
             {"changed", control.is_changed}};
   if (control.can_be_auto) json["auto"] = control.is_auto;
@@ -47,25 +47,25 @@ Json control_json(const Workbench& bench, const view::Control& control) {
   return json;
 }
 
-Json controls(const Workbench& bench) {
+Json controls(const ViewModel& model) {
   Json all = Json::array();
-  const Wishes& wishes = bench.wishes();
-  for (const view::Control& each : view::controls_of(*wishes.make_look()))
-    all.push_back(control_json(bench, each));
-  for (const view::Control& each : wishes.analysis_controls("Analysis"))
-    all.push_back(control_json(bench, each));
+  const ViewRequest& request = model.request();
+  for (const view::Control& each : view::controls_of(*request.make_look()))
+    all.push_back(control_json(model, each));
+  for (const view::Control& each : request.analysis_controls("Analysis"))
+    all.push_back(control_json(model, each));
   return all;
 }
 
-Json colors(const Workbench& bench) {
-  const Wishes& wishes = bench.wishes();
-  Json json{{"color_by", wishes.color.color_by},
-            {"legend", wishes.furniture.legend},
+Json colors(const ViewModel& model) {
+  const ViewRequest& request = model.request();
+  Json json{{"color_by", request.color.color_by},
+            {"legend", request.furniture.legend},
             {"colormaps", Colormap::choices()}};
-  for (const auto& [key, option] : color_options) json[key] = text_of(wishes, option);
-  json["sources"] = view::color_sources(bench.scene.loaded());
-  if (!bench.picture()) return json;
-  const Coloring& coloring = bench.picture()->coloring;
+  for (const auto& [key, option] : color_options) json[key] = text_of(request, option);
+  json["sources"] = view::color_sources(model.scene.loaded());
+  if (!model.picture()) return json;
+  const Coloring& coloring = model.picture()->coloring;
   json["source"] = coloring.source;
   if (coloring.kind == ColorKind::scalar) {
     const Colormap map = coloring.ramp();
@@ -83,19 +83,19 @@ Json colors(const Workbench& bench) {
   return json;
 }
 
-Json scene_json(const Workbench& bench) {
-  const view::Loaded* scene = bench.scene.loaded();
+Json scene_json(const ViewModel& model) {
+  const view::Loaded* scene = model.scene.loaded();
   if (!scene) return nullptr;
-  const Wishes& wishes = bench.wishes();
-  const Selection& selection = wishes.points.selection;
+  const ViewRequest& request = model.request();
+  const Selection& selection = request.points.selection;
   Json classes = Json::array();
   for (const ClassShare& each : scene->classes) {
     const std::vector<int>& list =
-        selection.show_classes.empty() ? wishes.hide_classes : selection.show_classes;
+        selection.show_classes.empty() ? request.hide_classes : selection.show_classes;
     const bool is_named = std::find(list.begin(), list.end(), each.id) != list.end();
     classes.push_back({{"id", each.id},
                        {"name", class_name(each.id)},
-                       {"color", hex_of(bench.picture() ? bench.picture()->coloring.color_of_class(each.id)
+                       {"color", hex_of(model.picture() ? model.picture()->coloring.color_of_class(each.id)
                                                         : class_color(each.id))},
                        {"points", each.points},
                        {"shown", selection.show_classes.empty() ? !is_named : is_named}});
@@ -107,15 +107,15 @@ Json scene_json(const Workbench& bench) {
           {"crs", scene->crs.substr(0, 200)},
           {"unit", view::unit_of(scene->crs)},
           {"box", Json::array({json_of(scene->box.min), json_of(scene->box.max)})},
-          {"is_room", scene->pose.subject.room.has_value() || bench.wishes().whole},
-          {"whole", bench.wishes().whole},
+          {"is_room", scene->pose.subject.room.has_value() || model.request().whole},
+          {"whole", model.request().whole},
           {"classes", classes}};
 }
 
-Json picks(const Workbench& bench) {
-  const double size = bench.navigator().scene_size();
+Json picks(const ViewModel& model) {
+  const double size = model.navigator().scene_size();
   Json all = Json::array();
-  for (const view::Picked& each : bench.picks.points()) {
+  for (const view::Picked& each : model.picks.points()) {
     Json attributes = Json::array();
     for (const auto& [name, value] : each.attributes) attributes.push_back({name, value});
     Json one{{"world", json_of(each.world)},
@@ -126,7 +126,7 @@ Json picks(const Workbench& bench) {
              {"attributes", attributes}};
     if (!all.empty()) {
       const view::Measure m =
-          view::measure(bench.picks.points()[all.size() - 1].world, each.world, bench.navigator().up_axis());
+          view::measure(model.picks.points()[all.size() - 1].world, each.world, model.navigator().up_axis());
       one["distance"] = m.distance, one["height"] = m.height, one["horizontal"] = m.horizontal;
       one["distance_text"] = view::coordinate_text(m.distance, size);
     }
@@ -135,8 +135,8 @@ Json picks(const Workbench& bench) {
   return all;
 }
 
-Json profile_json(const Workbench& bench) {
-  const auto& profile = bench.picks.profile();
+Json profile_json(const ViewModel& model) {
+  const auto& profile = model.picks.profile();
   if (!profile) return nullptr;
   constexpr std::size_t most = 20'000;  // of a drawing a few hundred pixels wide
   const std::size_t step = (profile->points.size() + most - 1) / most;
@@ -162,53 +162,53 @@ Json camera_json(const Camera& camera) {
           {"orthographic", seen.orthographic}};
 }
 
-Json state_of(const Workbench& bench) {
+Json state_of(const ViewModel& model) {
   Json state;
   Json techniques = Json::array();
   for (const TechniqueInfo& info : all_techniques())
     techniques.push_back({{"name", info.name}, {"summary", info.summary}});
   state["techniques"] = techniques;
   Json files = Json::array();
-  for (const std::string& file : bench.wishes().files)
+  for (const std::string& file : model.request().files)
     files.push_back(file.substr(file.find_last_of('/') + 1));
   state["files"] = files;
-  state["technique"] = {{"name", bench.wishes().technique}, {"reason", bench.scene.reason()}};
-  state["notes"] = bench.picture() && bench.settled() ? Json(bench.picture()->notes) : Json::array();
-  state["scene"] = scene_json(bench);
-  state["controls"] = controls(bench);
-  state["color"] = colors(bench);
-  state["picked"] = picks(bench);
-  state["profile"] = profile_json(bench);
-  const auto& crop = bench.wishes().points.selection.crop;
+  state["technique"] = {{"name", model.request().technique}, {"reason", model.scene.reason()}};
+  state["notes"] = model.picture() && model.settled() ? Json(model.picture()->notes) : Json::array();
+  state["scene"] = scene_json(model);
+  state["controls"] = controls(model);
+  state["color"] = colors(model);
+  state["picked"] = picks(model);
+  state["profile"] = profile_json(model);
+  const auto& crop = model.request().points.selection.crop;
   state["clip"] =
       crop ? Json::array({crop->min.x, crop->min.y, crop->min.z, crop->max.x, crop->max.y, crop->max.z})
            : Json();
   Json rows = Json::array();
-  for (const view::DrawRow& row : bench.wishes().items) {
+  for (const view::DrawRow& row : model.request().items) {
     view::DrawRow shown = row;
     shown.visible = true;
     rows.push_back({{"rule", shown.rule()}, {"visible", row.visible}});
   }
   state["draw"] = rows;
-  state["history"] = {{"undo", bench.can_undo()}, {"redo", bench.can_redo()}};
-  state["activity"] = {{"text", bench.activity().text},
-                       {"fraction", std::round(100 * bench.activity().fraction) / 100}};
-  state["path"] = {{"keys", bench.path.keys().size()},
-                   {"seconds", bench.path.seconds_per_key},
-                   {"playing", bench.playing()}};
-  state["settled"] = bench.settled();
+  state["history"] = {{"undo", model.can_undo()}, {"redo", model.can_redo()}};
+  state["activity"] = {{"text", model.activity().text},
+                       {"fraction", std::round(100 * model.activity().fraction) / 100}};
+  state["path"] = {{"keys", model.path.keys().size()},
+                   {"seconds", model.path.seconds_per_key},
+                   {"playing", model.playing()}};
+  state["settled"] = model.settled();
   return state;
 }
 
-Json info_of(const Workbench& bench) {
-  const Json state = state_of(bench);
-  const view::Memory memory = bench.memory();
+Json info_of(const ViewModel& model) {
+  const Json state = state_of(model);
+  const view::Memory memory = model.memory();
   return {{"files", state["files"]},
           {"scene", state["scene"]},
           {"techniques", state["techniques"]},
           {"technique", state["technique"]},
           {"color_sources", state["color"]["sources"]},
-          {"renderer", bench.renderer_name()},
+          {"renderer", model.renderer_name()},
           {"memory",
            {{"process", memory.process}, {"process_peak", memory.process_peak}, {"points", memory.points}}}};
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "../picture/shot.h"
+#include "../picture/saved_picture.h"
 #include "../publish/depth_text.h"
 #include "core/color.h"
 #include "io/image_file.h"
@@ -37,62 +37,62 @@ Image<Rgba8> smaller(const Image<Rgba8>& image, int by) {
 }  // namespace
 
 void Viewer::begin(std::shared_ptr<view::SharedScenes> shared) {
-  if (bench_) start_.wishes = bench_->wishes();
-  bench_.reset();
+  if (model_) start_.request = model_->request();
+  model_.reset();
   sent_.reset();
   start_.shared = std::move(shared);
   start_.depth_step = depth_step_px;
-  bench_ = std::make_unique<view::Workbench>(start_);
-  if (!size_message_.empty()) obey(*bench_, hand_, size_message_, outside_.limits);
+  model_ = std::make_unique<view::ViewModel>(start_);
+  if (!size_message_.empty()) obey(*model_, hand_, size_message_, outside_.limits);
 }
 
 void Viewer::hear(std::string_view text, double now_ms) {
   ++heard_;
   if (text.starts_with(R"({"do":"size")")) size_message_ = text;
-  if (!bench_) return;  // what is pressed before there is a picture has nothing to act on
-  const view::Wishes before = bench_->wishes();
+  if (!model_) return;  // what is pressed before there is a picture has nothing to act on
+  const view::ViewRequest before = model_->request();
   hand_.confirmed = 0, hand_.wants_command = hand_.pointed = false;
-  obey(*bench_, hand_, text, outside_.limits);
+  obey(*model_, hand_, text, outside_.limits);
   if (hand_.confirmed) pace_.confirmed(hand_.confirmed, now_ms);
   if (hand_.wants_command) {
-    const std::vector<std::string> words = bench_->wishes().words(bench_->width(), bench_->height());
+    const std::vector<std::string> words = model_->request().words(model_->width(), model_->height());
     outside_.send_text(Json{{"command", command_of(words, "picture.png")}}.dump());
   }
-  const view::SceneKey key = bench_->wishes().scene_key();
+  const view::SceneKey key = model_->request().scene_key();
   if (key != before.scene_key() && !outside_.may_show(key)) {
-    bench_->change("refused", [&](view::Wishes& next) { next = before; });
-    bench_->say("the server's limit of selections of points is reached (--selections); undo one, or wait",
+    model_->change("refused", [&](view::ViewRequest& next) { next = before; });
+    model_->say("the server's limit of selections of points is reached (--selections); undo one, or wait",
                 true);
   }
 }
 
-void Viewer::follow(const view::Wishes& wishes) {
-  if (!bench_) return void(start_.wishes = wishes);
-  bench_->change("together", [&](view::Wishes& next) { next = wishes; });
-  bench_->repaint();
+void Viewer::follow(const view::ViewRequest& request) {
+  if (!model_) return void(start_.request = request);
+  model_->change("together", [&](view::ViewRequest& next) { next = request; });
+  model_->repaint();
 }
 
 const std::optional<view::Failure>& Viewer::fatal() const {
   static const std::optional<view::Failure> none;
-  return bench_ ? bench_->fatal() : none;
+  return model_ ? model_->fatal() : none;
 }
 
 std::optional<double> Viewer::wait_ms(double now_ms) const {
-  if (!bench_) return std::nullopt;
-  std::optional<double> wait = bench_->wait_ms(now_ms);
+  if (!model_) return std::nullopt;
+  std::optional<double> wait = model_->wait_ms(now_ms);
   if (now_ms - told_ms_ < state_ms) wait = std::min(wait.value_or(state_ms), state_ms);
   return wait;
 }
 
 void Viewer::tick(double now_ms) {
-  if (!bench_) return;
-  bench_->tick(now_ms);
-  for (const view::Message& each : bench_->take_messages())
+  if (!model_) return;
+  model_->tick(now_ms);
+  for (const view::Message& each : model_->take_messages())
     outside_.send_text(Json{{"say", each.text}, {"error", each.is_error}}.dump(
         -1, ' ', false, Json::error_handler_t::replace));
   send_camera();
   send_picture(now_ms);
-  send_shots();
+  send_saved();
   send_state(now_ms);
 }
 
@@ -100,7 +100,7 @@ void Viewer::send_state(double now_ms) {
   if (now_ms - told_ms_ < state_ms) return;
   told_ms_ = now_ms;
   Json news = Json::object();
-  const Json state = state_of(*bench_);
+  const Json state = state_of(*model_);
   for (const auto& [part, value] : state.items()) {
     std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
     if (std::string& told = told_[part]; told != text) {
@@ -114,8 +114,8 @@ void Viewer::send_state(double now_ms) {
 
 /// At once, so that the page can show its last picture from there.
 void Viewer::send_camera() {
-  if (bench_->wishes().frame_on_load || bench_->width() == 0) return;
-  std::string text = Json{{"camera", camera_json(bench_->camera())}}.dump();
+  if (model_->request().frame_on_load || model_->width() == 0) return;
+  std::string text = Json{{"camera", camera_json(model_->camera())}}.dump();
   if (text == sent_camera_) return;
   outside_.send_text(sent_camera_ = std::move(text));
 }
@@ -132,10 +132,10 @@ void Viewer::send(Json header, const std::string& image, const std::string& dept
 }
 
 void Viewer::send_picture(double now_ms) {
-  const std::shared_ptr<const view::Picture> picture = bench_->picture();
-  const Furniture& furniture = bench_->wishes().furniture;
+  const std::shared_ptr<const view::Picture> picture = model_->picture();
+  const Furniture& furniture = model_->request().furniture;
   if (!picture || is_encoding_ || !pace_.may_send()) return;
-  const bool is_final = bench_->settled();
+  const bool is_final = model_->settled();
   if (picture == sent_ && furniture == sent_furniture_ && (sent_exactly_ || !is_final)) return;
   // A slow line gets a picture that it can carry at once, and then the exact one.
   const bool is_first_of_final = is_final && picture != sent_;
@@ -147,11 +147,11 @@ void Viewer::send_picture(double now_ms) {
     publish::PackedDepth depth;
   };
   auto encoded = std::make_shared<Encoded>();
-  const view::Loaded* scene = bench_->scene.loaded();
+  const view::Loaded* scene = model_->scene.loaded();
   const UpAxis up = scene ? scene->pose.upright.up : UpAxis::pos_z;
   const std::string crs = scene ? scene->crs : "";
-  const bool draws_furniture = !furniture.empty() && picture->image.width() == bench_->width() &&
-                               picture->image.height() == bench_->height();
+  const bool draws_furniture = !furniture.empty() && picture->image.width() == model_->width() &&
+                               picture->image.height() == model_->height();
   const int quality = is_final ? Pace::most_quality : pace_.quality(), shrink = exact ? 1 : pace_.shrink();
   Json header{{"kind", "picture"},
               {"type", exact ? "image/png" : "image/jpeg"},
@@ -183,13 +183,13 @@ void Viewer::send_picture(double now_ms) {
       });
 }
 
-void Viewer::send_shots() {
-  for (view::Shot& shot : bench_->shots.take()) {
+void Viewer::send_saved() {
+  for (view::SavedPicture& saved : model_->saved_pictures.take()) {
     auto encoded = std::make_shared<std::string>();
-    const int width = shot.picture.image.width(), height = shot.picture.image.height();
+    const int width = saved.picture.image.width(), height = saved.picture.image.height();
     outside_.in_background(
-        [encoded, shot = std::move(shot)]() mutable {
-          *encoded = io::png_bytes(shot.picture.image, false, finish(shot, "picture.png"));
+        [encoded, saved = std::move(saved)]() mutable {
+          *encoded = io::png_bytes(saved.picture.image, false, finish(saved, "picture.png"));
         },
         [self = shared_from_this(), encoded, width, height] {
           self->send({{"kind", "shot"},

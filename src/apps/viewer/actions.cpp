@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "../picture/shot.h"
+#include "../picture/saved_picture.h"
 #include "core/error.h"
 #include "core/option_text.h"
 #include "interface.h"
@@ -23,16 +23,16 @@ std::string free_name(const std::string& stem, const std::string& extension) {
   }
 }
 
-void Interface::take_shots() {
-  for (view::Shot& shot : bench_.shots.take()) {
+void Interface::take_saved() {
+  for (view::SavedPicture& saved : model_.saved_pictures.take()) {
     const std::string name = free_name("sfumato", ".png");
     // Taken at once, so that two pictures in a row do not get one name.
     if (std::FILE* file = std::fopen(name.c_str(), "wx")) std::fclose(file);
     writers_.push_back(
-        std::async(std::launch::async, [shot = std::move(shot), name]() mutable -> view::Message {
+        std::async(std::launch::async, [saved = std::move(saved), name]() mutable -> view::Message {
           try {
-            const io::PngTexts texts = finish(shot, name);
-            io::write_png(name, shot.picture.image, false, texts);
+            const io::PngTexts texts = finish(saved, name);
+            io::write_png(name, saved.picture.image, false, texts);
             return {"saved " + name, false};
           } catch (const std::exception& error) {
             // The name is free again, where nobody else has written there.
@@ -45,7 +45,7 @@ void Interface::take_shots() {
   std::erase_if(writers_, [&](auto& writer) {
     if (writer.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
     const view::Message message = writer.get();
-    bench_.say(message.text, message.is_error);
+    model_.say(message.text, message.is_error);
     return true;
   });
 }
@@ -59,23 +59,23 @@ void Interface::drop(const std::vector<std::string>& files, bool add) {
     }
     preset_name_ = path_name_ = file;
     try {
-      bench_.path.load(file);
-      bench_.say(fmt::format("{}: a path of {} keys; Space plays it", file, bench_.path.keys().size()));
+      model_.path.load(file);
+      model_.say(fmt::format("{}: a path of {} keys; Space plays it", file, model_.path.keys().size()));
     } catch (const Error&) {
       take_preset(file);
     }
   }
-  if (!clouds.empty()) bench_.open(clouds, add);
+  if (!clouds.empty()) model_.open(clouds, add);
 }
 
 void Interface::act(Action action) {
   const auto show = [&](const char* side) {
-    bench_.move("side", [&](view::Navigator& hand) {
-      hand.show(find_view(side, "view"), bench_.width(), bench_.height());
+    model_.move("side", [&](view::Navigator& hand) {
+      hand.show(find_view(side, "view"), model_.width(), model_.height());
     });
   };
   const auto parameter = [&](const std::string& name, const std::string& value) {
-    bench_.change(name, [&](view::Wishes& wishes) { wishes.set(name, value); });
+    model_.change(name, [&](view::ViewRequest& request) { request.set(name, value); });
   };
   const auto resize_points = [&](double factor) {
     if (!look_) return;
@@ -87,17 +87,17 @@ void Interface::act(Action action) {
                                         float(param.max.value_or(1e9)));
         return parameter(param.name, view::number_text(std::round(wanted * 1000) / 1000));
       }
-    bench_.say(bench_.wishes().technique + " has no size of points");
+    model_.say(model_.request().technique + " has no size of points");
   };
   switch (action) {
     case Action::reset_view:
-      bench_.move("reset", [&](view::Navigator& hand) { hand.set_camera(bench_.wishes().home); });
+      model_.move("reset", [&](view::Navigator& hand) { hand.set_camera(model_.request().home); });
       break;
     case Action::frame_view:
-      bench_.move("frame", [&](view::Navigator& hand) { hand.frame(bench_.width(), bench_.height()); });
+      model_.move("frame", [&](view::Navigator& hand) { hand.frame(model_.width(), model_.height()); });
       break;
     case Action::orthographic:
-      bench_.move("parallel", [](view::Navigator& hand) { hand.toggle_orthographic(); });
+      model_.move("parallel", [](view::Navigator& hand) { hand.toggle_orthographic(); });
       break;
     case Action::front: show("front"); break;
     case Action::back: show("back"); break;
@@ -112,39 +112,39 @@ void Interface::act(Action action) {
     case Action::quit: window_.close(); break;
     case Action::screenshot: {
       if (screenshot_size_.empty()) {
-        bench_.shoot(bench_.width(), bench_.height());
+        model_.save_picture(model_.width(), model_.height());
         break;
       }
       try {
         const auto [width, height] = parse_resolution("size of the view", screenshot_size_);
         if (std::max(width, height) > 16384)
           throw Error(ErrorCode::usage, "size of the view: at most 16384 pixels a side");
-        bench_.shoot(width, height);
+        model_.save_picture(width, height);
       } catch (const Error& error) {
-        bench_.say(error.what(), true);
+        model_.say(error.what(), true);
       }
       break;
     }
     case Action::copy_command: {
-      window_.copy(command_of(bench_.wishes().words(bench_.width(), bench_.height()), "picture.png"));
-      bench_.say("the command is copied");
+      window_.copy(command_of(model_.request().words(model_.width(), model_.height()), "picture.png"));
+      model_.say("the command is copied");
       break;
     }
     case Action::copy_camera:
-      window_.copy(io::camera_to_json(bench_.camera()));
-      bench_.say("the camera is copied");
+      window_.copy(io::camera_to_json(model_.camera()));
+      model_.say("the camera is copied");
       break;
     case Action::paste_camera:
       try {
         const view::ViewCamera camera =
             view::ViewCamera::from(io::camera_from_json(window_.pasted(), "the clipboard"));
-        bench_.move("paste", [&](view::Navigator& hand) { hand.set_camera(camera); });
+        model_.move("paste", [&](view::Navigator& hand) { hand.set_camera(camera); });
       } catch (const Error& error) {
-        bench_.say(error.what(), true);
+        model_.say(error.what(), true);
       }
       break;
-    case Action::undo: bench_.undo(); break;
-    case Action::redo: bench_.redo(); break;
+    case Action::undo: model_.undo(); break;
+    case Action::redo: model_.redo(); break;
     case Action::larger_points: resize_points(1.15); break;
     case Action::smaller_points: resize_points(1 / 1.15); break;
     case Action::eye_dome: {
@@ -159,25 +159,25 @@ void Interface::act(Action action) {
       break;
     }
     case Action::legend:
-      bench_.change("legend",
-                    [](view::Wishes& wishes) { wishes.furniture.legend = !wishes.furniture.legend; });
+      model_.change("legend",
+                    [](view::ViewRequest& request) { request.furniture.legend = !request.furniture.legend; });
       break;
     case Action::clear_picks:
       help_ = false;
-      bench_.picks.clear();
-      bench_.picks.close_profile();
-      bench_.play(false);
+      model_.picks.clear();
+      model_.picks.close_profile();
+      model_.play(false);
       break;
-    case Action::profile: bench_.cut_profile(double(corridor())); break;
+    case Action::profile: model_.cut_profile(double(corridor())); break;
     case Action::add_key:
-      bench_.path.add(bench_.wishes().camera);
-      bench_.say(fmt::format("key {} of the camera path", bench_.path.keys().size()));
+      model_.path.add(model_.request().camera);
+      model_.say(fmt::format("key {} of the camera path", model_.path.keys().size()));
       break;
     case Action::play:
-      if (bench_.sequence.frames().size() > 1 && bench_.path.keys().size() < 2)
-        bench_.sequence.play(!bench_.sequence.playing());
+      if (model_.sequence.frames().size() > 1 && model_.path.keys().size() < 2)
+        model_.sequence.play(!model_.sequence.playing());
       else
-        bench_.play(!bench_.playing());
+        model_.play(!model_.playing());
       break;
     case Action::larger_interface: window_.zoom_interface(1.125f); break;
     case Action::smaller_interface: window_.zoom_interface(1 / 1.125f); break;
@@ -185,8 +185,8 @@ void Interface::act(Action action) {
     default: {
       const std::size_t i = std::size_t(action) - std::size_t(Action::technique_1);
       if (i < all_techniques().size())
-        bench_.change("technique",
-                      [&](view::Wishes& wishes) { wishes.technique = all_techniques()[i].name; });
+        model_.change("technique",
+                      [&](view::ViewRequest& request) { request.technique = all_techniques()[i].name; });
     }
   }
 }

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../picture/shot.h"
+#include "../picture/saved_picture.h"
 #include "core/error.h"
 #include "interface.h"
 #include "panel_tools.h"
@@ -15,12 +15,12 @@ namespace sfumato::viewer {
 
 void Interface::clip_panel() {
   clip_ = heading("Clip box", false);
-  const view::Loaded* scene = bench_.scene.loaded();
+  const view::Loaded* scene = model_.scene.loaded();
   if (!clip_ || !scene) return;
-  const auto& crop = bench_.wishes().points.selection.crop;
+  const auto& crop = model_.request().points.selection.crop;
   bool on = crop.has_value();
   const auto clip = [&](const std::optional<Bounds>& box) {
-    bench_.change("clip", [&](view::Wishes& next) {
+    model_.change("clip", [&](view::ViewRequest& next) {
       next.points.selection.crop = box;
       next.points.selection.crop_share.reset();
     });
@@ -61,8 +61,8 @@ void Interface::clip_panel() {
 
 void Interface::camera_panel() {
   if (!heading("Camera", false)) return;
-  const view::ViewCamera& camera = bench_.wishes().camera;
-  const double size = bench_.navigator().scene_size();
+  const view::ViewCamera& camera = model_.request().camera;
+  const double size = model_.navigator().scene_size();
   const auto row = [&](const char* name, const dvec3& v) {
     ImGui::TextDisabled("%s", name);
     ImGui::SameLine(76 * window_.scale());
@@ -74,7 +74,7 @@ void Interface::camera_panel() {
   row("target", camera.target);
   float angle = float(camera.fov_deg);
   if (ImGui::SliderFloat("angle", &angle, 5, 120, "%.1f°"))
-    bench_.move("angle", [&](view::Navigator& hand) { hand.set_angle(double(angle)); });
+    model_.move("angle", [&](view::Navigator& hand) { hand.set_angle(double(angle)); });
   bool parallel = camera.orthographic;
   if (ImGui::Checkbox("parallel", &parallel)) act(view::Action::orthographic);
   struct {
@@ -98,25 +98,26 @@ void Interface::camera_panel() {
   ImGui::InputTextWithHint("##size", "size of the view", &screenshot_size_);
   tooltip("size of saved pictures: 3840x2160, or empty for that of the view");
   ImGui::SameLine();
-  if (ImGui::Button(bench_.shots.pending() ? "saving" : "save picture")) act(view::Action::screenshot);
+  if (ImGui::Button(model_.saved_pictures.pending() ? "saving" : "save picture"))
+    act(view::Action::screenshot);
 }
 
 void Interface::path_panel() {
   if (!heading("Camera path", false)) return;
-  view::KeyFrames& path = bench_.path;
+  view::KeyFrames& path = model_.path;
   if (ImGui::Button("add this view")) act(view::Action::add_key);
   ImGui::SameLine();
-  if (ImGui::Button(bench_.playing() ? "stop" : "play")) act(view::Action::play);
+  if (ImGui::Button(model_.playing() ? "stop" : "play")) act(view::Action::play);
   float seconds = float(path.seconds_per_key);
   if (ImGui::SliderFloat("s a key", &seconds, 0.2f, 10, "%.1f")) path.seconds_per_key = double(seconds);
   for (std::size_t i = 0; i < path.keys().size(); ++i) {
     ImGui::PushID(int(i));
     if (ImGui::SmallButton(fmt::format("key {}", i + 1).c_str())) {
       const view::ViewCamera key = path.keys()[i];
-      bench_.move("key", [&](view::Navigator& hand) { hand.set_camera(key); });
+      model_.move("key", [&](view::Navigator& hand) { hand.set_camera(key); });
     }
     ImGui::SameLine();
-    if (ImGui::SmallButton("replace")) path.replace(i, bench_.wishes().camera);
+    if (ImGui::SmallButton("replace")) path.replace(i, model_.request().camera);
     ImGui::SameLine();
     if (ImGui::SmallButton("up") && i > 0) path.move(i, i - 1);
     ImGui::SameLine();
@@ -131,16 +132,16 @@ void Interface::path_panel() {
   if (ImGui::Button("save path")) {
     const std::string name = free_name("path", ".json");
     try {
-      path.save(name, bench_.width(), bench_.height());
+      path.save(name, model_.width(), model_.height());
       // The whole of what follows draws it, with the look of now.
-      std::vector<std::string> words = bench_.wishes().words(bench_.width(), bench_.height());
+      std::vector<std::string> words = model_.request().words(model_.width(), model_.height());
       std::erase_if(words, [](const std::string& word) { return word.starts_with("--camera-"); });
       const int frames = int(std::lround(25 * path.duration_s())) + 1;
       words.insert(words.end(), {"--path", name, "--frames", std::to_string(frames)});
       window_.copy(command_of(words, "path.mp4"));
-      bench_.say("saved " + name + "; the command that makes a video of it is copied");
+      model_.say("saved " + name + "; the command that makes a video of it is copied");
     } catch (const Error& error) {
-      bench_.say(error.what(), true);
+      model_.say(error.what(), true);
     }
   }
 }

@@ -44,20 +44,20 @@ bool edit_range(double (&range)[2], double span) {
 
 void Interface::color_panel() {
   if (!heading("Colour", false)) return;
-  const view::Wishes& wishes = bench_.wishes();
-  const std::string shown = wishes.color.color_by == "auto" && picture()
+  const view::ViewRequest& request = model_.request();
+  const std::string shown = request.color.color_by == "auto" && picture()
                                 ? "auto: " + picture()->coloring.source
-                                : wishes.color.color_by;
-  if (const auto chosen = choose("source", shown, view::color_sources(bench_.scene.loaded())))
-    bench_.change("color-by", [&](view::Wishes& next) { next.show_source(*chosen); });
+                                : request.color.color_by;
+  if (const auto chosen = choose("source", shown, view::color_sources(model_.scene.loaded())))
+    model_.change("color-by", [&](view::ViewRequest& next) { next.show_source(*chosen); });
   if (picture() && picture()->coloring.kind == ColorKind::scalar) {
     const Coloring& coloring = picture()->coloring;
     std::vector<std::string> maps = Colormap::choices();
     maps.insert(maps.begin(), "auto");
-    const std::string& own = wishes.color.colormap;
+    const std::string& own = request.color.colormap;
     if (const auto chosen = choose("map", own.empty() ? "auto: " + coloring.colormap : own, maps))
-      bench_.change("colormap",
-                    [&](view::Wishes& next) { next.color.colormap = *chosen == "auto" ? "" : *chosen; });
+      model_.change("colormap",
+                    [&](view::ViewRequest& next) { next.color.colormap = *chosen == "auto" ? "" : *chosen; });
     tooltip("a map of your own, or range, has equal steps; heights are spread by numbers of points else");
     // The map itself, as a bar.
     const Colormap map = coloring.ramp();
@@ -75,14 +75,14 @@ void Interface::color_panel() {
     double range[2] = {coloring.low, coloring.high};
     const double span = std::abs(range[1] - range[0]);
     if (edit_range(range, span) && range[0] != range[1])
-      bench_.change("color-range", [&](view::Wishes& next) { next.color.range = {range[0], range[1]}; });
+      model_.change("color-range", [&](view::ViewRequest& next) { next.color.range = {range[0], range[1]}; });
     tooltip(fmt::format("{} to {}, the ends of the colour map: drag, or Ctrl+click to type",
                         view::coordinate_text(coloring.low, span),
                         view::coordinate_text(coloring.high, span)));
-    if (wishes.color.range) {
+    if (request.color.range) {
       ImGui::SameLine();
       if (ImGui::SmallButton("×"))
-        bench_.change("color-range", [](view::Wishes& next) { next.color.range.reset(); });
+        model_.change("color-range", [](view::ViewRequest& next) { next.color.range.reset(); });
       tooltip("back to what suits the points");
     }
   }
@@ -106,21 +106,21 @@ void Interface::color_panel() {
     ImGui::EndChild();
   }
   const auto color_edit = [&](const char* label, const char* option) {
-    std::string value = text_of(wishes, option);
+    std::string value = text_of(request, option);
     if (edit_text(label, "as it suits", value))
-      bench_.change(label, [&](view::Wishes& next) { sfumato::set(next, option, value); });
+      model_.change(label, [&](view::ViewRequest& next) { sfumato::set(next, option, value); });
     tooltip("a name (steelblue), #hex (#4682b4) or R,G,B from 0 to 1; Enter");
   };
   color_edit("background", "background-color");
   color_edit("one colour", "color");
-  bool legend = wishes.furniture.legend;
+  bool legend = request.furniture.legend;
   if (ImGui::Checkbox("legend", &legend)) act(view::Action::legend);
 }
 
 bool Interface::has_swatches() const { return !picture()->coloring.swatches.empty(); }
 
 void Interface::histogram(const Coloring& coloring) {
-  const view::Loaded* scene = bench_.scene.loaded();
+  const view::Loaded* scene = model_.scene.loaded();
   if (!scene || !scene->near) return;
   constexpr std::size_t steps = 96;
   if (histogram_cloud_.lock() != scene->near || histogram_source_ != coloring.source) {
@@ -161,32 +161,32 @@ void Interface::histogram(const Coloring& coloring) {
     };
     const double a = value_at(histogram_from_), b = value_at(ImGui::GetIO().MousePos.x);
     if (a != b)
-      bench_.change("color-range", [&](view::Wishes& next) {
+      model_.change("color-range", [&](view::ViewRequest& next) {
         next.color.range = {std::min(a, b), std::max(a, b)};
       });
   }
 }
 
 void Interface::class_panel() {
-  const view::Loaded* scene = bench_.scene.loaded();
+  const view::Loaded* scene = model_.scene.loaded();
   if (!scene || scene->classes.empty() || !heading("Classes", false)) return;
-  const view::Wishes& wishes = bench_.wishes();
-  const Selection& selection = wishes.points.selection;
+  const view::ViewRequest& request = model_.request();
+  const Selection& selection = request.points.selection;
   const auto hidden = [&](int id) {
     const auto in = [&](const std::vector<int>& all) {
       return std::find(all.begin(), all.end(), id) != all.end();
     };
-    return selection.show_classes.empty() ? in(wishes.hide_classes) : !in(selection.show_classes);
+    return selection.show_classes.empty() ? in(request.hide_classes) : !in(selection.show_classes);
   };
   const auto hide = [&](const std::vector<int>& classes) {
-    bench_.change("classes", [&](view::Wishes& next) {
+    model_.change("classes", [&](view::ViewRequest& next) {
       next.points.selection.show_classes.clear();
       next.hide_classes = classes;
     });
   };
   std::vector<int> now;
   // Noise that this scan lacks stays hidden by default, so that the command stays short.
-  for (int id : wishes.hide_classes)
+  for (int id : request.hide_classes)
     if (std::none_of(scene->classes.begin(), scene->classes.end(),
                      [&](const ClassShare& c) { return c.id == id; }))
       now.push_back(id);
@@ -230,7 +230,7 @@ void Interface::class_panel() {
 void Interface::light_panel() {
   if (!heading("Light and shadows", false)) return;
   // A light by direction is dragged over the sky: azimuth and height above the horizon.
-  const std::string light = bench_.wishes().settings().light_text;
+  const std::string light = model_.request().settings().light_text;
   const bool by_direction = light.starts_with("dir:");
   if (const auto chosen = choose("comes from",
                                  by_direction           ? "a direction"
@@ -238,11 +238,11 @@ void Interface::light_panel() {
                                  : light == "headlight" ? "the eye"
                                                         : "a place",
                                  {"the upper left", "the eye", "a direction", "a place"})) {
-    const dvec3 eye = bench_.wishes().camera.position;
+    const dvec3 eye = model_.request().camera.position;
     if (*chosen == "the upper left") set("light", "shoulder");
     if (*chosen == "the eye") set("light", "headlight");
     if (*chosen == "a direction") {
-      const dvec3 way = key_light(bench_.camera(), bench_.navigator().up_axis()).vector;
+      const dvec3 way = key_light(model_.camera(), model_.navigator().up_axis()).vector;
       set("light", fmt::format("dir:{:.3f},{:.3f},{:.3f}", way.x, way.y, way.z));
     }
     if (*chosen == "a place")
@@ -253,7 +253,7 @@ void Interface::light_panel() {
   if (by_direction) {
     const std::vector<float> v = view::numbers_of(light.substr(4));
     if (v.size() == 3) {
-      const Compass compass(bench_.navigator().up_axis());
+      const Compass compass(model_.navigator().up_axis());
       const dvec3 way = glm::normalize(dvec3(double(v[0]), double(v[1]), double(v[2])));
       float angles[2] = {float(glm::degrees(compass.azimuth(way))),
                          float(glm::degrees(compass.elevation(way)))};

@@ -15,17 +15,17 @@ constexpr float panel_points = 330, status_points = 26;
 
 }  // namespace
 
-Interface::Interface(Window& window, view::Workbench& bench) : window_(window), bench_(bench) {}
+Interface::Interface(Window& window, view::ViewModel& model) : window_(window), model_(model) {}
 
 void Interface::draw(double now_ms) {
   now_ms_ = now_ms;
-  for (view::Message& message : bench_.take_messages()) {
+  for (view::Message& message : model_.take_messages()) {
     const double stay = message.is_error ? 9000 : 4500;
     toasts_.push_back({std::move(message), now_ms + stay});
   }
   while (toasts_.size() > 5) toasts_.pop_front();
-  if (!bench_.wishes().technique.empty()) {
-    if (view::Wishes now = bench_.wishes().look(); now != look_of_ || !look_) {
+  if (!model_.request().technique.empty()) {
+    if (view::ViewRequest now = model_.request().look(); now != look_of_ || !look_) {
       look_of_ = std::move(now);
       look_ = look_of_.make_look();
     }
@@ -41,7 +41,7 @@ void Interface::draw(double now_ms) {
   draw_status(height, screen.x, screen.y - height);
   if (help_) draw_help();
   draw_messages(now_ms, height);
-  take_shots();
+  take_saved();
 }
 
 void Interface::draw_panels(float x, float width, float height) {
@@ -94,23 +94,23 @@ void Interface::draw_status(float y, float width, float height) {
                    ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleVar();
   std::string text;
-  if (const view::Loaded* scene = bench_.scene.loaded()) {
+  if (const view::Loaded* scene = model_.scene.loaded()) {
     text = counted_of(scene->points_shown, std::max(scene->points_read, scene->points_shown), "point");
   }
   if (const view::Picture* shown = picture()) {
-    const view::Quality quality = bench_.shown_quality();
+    const view::Quality quality = model_.shown_quality();
     text += fmt::format("   {}  {}×{}", shown->technique, shown->image.width(), shown->image.height());
-    if (bench_.settled())
+    if (model_.settled())
       text += fmt::format("  final, {:.0f} ms", shown->took_ms);
     else
       text += fmt::format("  {}{}", quality.whole_cloud ? "" : "a sample",
-                          bench_.moving() && bench_.motion_ms() > 0
-                              ? fmt::format("  {:.0f} pictures a second", 1000 / bench_.motion_ms())
+                          model_.moving() && model_.motion_ms() > 0
+                              ? fmt::format("  {:.0f} pictures a second", 1000 / model_.motion_ms())
                               : "");
   }
   ImGui::TextUnformatted(text.c_str());
-  const view::Activity& activity = bench_.activity();
-  if (!activity.text.empty() && !bench_.moving()) {
+  const view::Activity& activity = model_.activity();
+  if (!activity.text.empty() && !model_.moving()) {
     const float bar = 120 * window_.scale();
     const std::string what = activity.text;
     ImGui::SameLine(std::max(ImGui::CalcTextSize(text.c_str()).x + 30 * window_.scale(),

@@ -1,5 +1,5 @@
 // What is around the picture and over it: panels, status, help, messages. Draws with Dear ImGui and changes
-// the workbench.
+// the view model.
 #pragma once
 
 #include <deque>
@@ -14,14 +14,14 @@
 #include "view/controls.h"
 #include "view/histogram.h"
 #include "view/keys.h"
-#include "view/workbench.h"
+#include "view/view_model.h"
 #include "window.h"
 
 namespace sfumato::viewer {
 
 class Interface {
  public:
-  Interface(Window& window, view::Workbench& bench);
+  Interface(Window& window, view::ViewModel& model);
 
   /// One frame; call between Window::begin_frame and end_frame.
   void draw(double now_ms);
@@ -41,7 +41,7 @@ class Interface {
   void draw_help();
   void draw_messages(double now_ms, float height);
   void navigate(double now_ms, float x, float y, bool hovered);
-  void take_shots();
+  void take_saved();
   void take_preset(const std::string& file);
   void save_look(bool with_files);
   void show_picture();
@@ -65,7 +65,7 @@ class Interface {
   void draw_profile(float width, float height);
   double line_length() const;
   float corridor() const;
-  /// Draws one and changes the wishes where a hand changed it.
+  /// Draws one and changes the request where a hand changed it.
   void control(view::Control control);
   void controls(const std::vector<view::Control>& all);
   /// What a parameter is now: of an automatic one, what the last picture found.
@@ -73,7 +73,7 @@ class Interface {
   void set(const std::string& parameter, const std::string& value);
   /// A heading that opens; whether it is open.
   bool heading(const char* title, bool open);
-  const view::Picture* picture() const { return bench_.picture().get(); }
+  const view::Picture* picture() const { return model_.picture().get(); }
 
   struct Toast {
     view::Message message;
@@ -81,9 +81,9 @@ class Interface {
   };
 
   Window& window_;
-  view::Workbench& bench_;
-  std::unique_ptr<Look> look_;  ///< of the wishes, for its list of parameters
-  view::Wishes look_of_;        ///< what `look_` is of
+  view::ViewModel& model_;
+  std::unique_ptr<Look> look_;  ///< of the request, for its list of parameters
+  view::ViewRequest look_of_;   ///< what `look_` is of
   std::shared_ptr<const view::Picture> uploaded_;
   Furniture uploaded_furniture_;
   std::deque<Toast> toasts_;

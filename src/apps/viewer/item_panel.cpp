@@ -11,15 +11,15 @@ namespace sfumato::viewer {
 namespace {
 
 /// What a new row selects: something that the scan has and no row draws yet.
-std::string suggested_selection(const view::Loaded& scene, const view::Wishes& wishes) {
+std::string suggested_selection(const view::Loaded& scene, const view::ViewRequest& request) {
   const auto is_new = [&](const std::string& selection) {
-    return std::none_of(wishes.items.begin(), wishes.items.end(),
+    return std::none_of(request.items.begin(), request.items.end(),
                         [&](const view::DrawRow& row) { return row.selection == selection; });
   };
   for (const ClassShare& each : scene.classes)
     if (const std::string selection = fmt::format("class {}", each.id); is_new(selection)) return selection;
-  if (wishes.files.size() > 1)
-    for (std::size_t n = 1; n <= wishes.files.size(); ++n)
+  if (request.files.size() > 1)
+    for (std::size_t n = 1; n <= request.files.size(); ++n)
       if (const std::string selection = fmt::format("file {}", n); is_new(selection)) return selection;
   const int up = int(scene.pose.upright.up) / 2;
   const double middle = 0.5 * (scene.box.min[up] + scene.box.max[up]);
@@ -29,13 +29,13 @@ std::string suggested_selection(const view::Loaded& scene, const view::Wishes& w
 }  // namespace
 
 void Interface::item_panel() {
-  const view::Loaded* scene = bench_.scene.loaded();
-  const std::vector<view::DrawRow>& rows = bench_.wishes().items;
+  const view::Loaded* scene = model_.scene.loaded();
+  const std::vector<view::DrawRow>& rows = model_.request().items;
   if (!scene || !heading("Items", !rows.empty())) return;
   std::vector<std::string> techniques;
   for (const TechniqueInfo& info : all_techniques()) techniques.push_back(info.name);
   const auto edit = [&](const char* what, const auto& change) {
-    bench_.change(what, [&](view::Wishes& next) { change(next.items); });
+    model_.change(what, [&](view::ViewRequest& next) { change(next.items); });
   };
   const float full = ImGui::GetContentRegionAvail().x, gap = ImGui::GetStyle().ItemSpacing.x;
   const float check = ImGui::GetFrameHeight() + gap;
@@ -84,11 +84,11 @@ void Interface::item_panel() {
     }
   }
   if (ImGui::Button("add a row")) {
-    const std::string selection = suggested_selection(*scene, bench_.wishes());
+    const std::string selection = suggested_selection(*scene, model_.request());
     edit("item added", [&](auto& all) { all.push_back({selection, "splats", "", true}); });
   }
   ImGui::SameLine();
-  ImGui::TextDisabled("the rest: %s", bench_.wishes().technique.c_str());
+  ImGui::TextDisabled("the rest: %s", model_.request().technique.c_str());
 }
 
 }  // namespace sfumato::viewer

@@ -31,9 +31,9 @@ Image<Rgba8> picture_of(const view::Profile& profile, const std::string& unit, i
 
 void Interface::measure_panel() {
   if (!heading("Measure", false)) return;
-  const view::Loaded* scene = bench_.scene.loaded();
-  const auto& picked = bench_.picks.points();
-  const double size = bench_.navigator().scene_size();
+  const view::Loaded* scene = model_.scene.loaded();
+  const auto& picked = model_.picks.points();
+  const double size = model_.navigator().scene_size();
   const std::string unit = view::unit_of(scene ? scene->crs : "");
   if (picked.empty()) note("click two points: distance and height; Ctrl+click goes on, as a line");
   double length = 0;
@@ -51,19 +51,19 @@ void Interface::measure_panel() {
   if (ImGui::Button("profile")) act(view::Action::profile);
   tooltip("all points in the corridor along the picked line, from the side (V)");
   ImGui::SameLine();
-  if (ImGui::Button("forget points")) bench_.picks.clear();
+  if (ImGui::Button("forget points")) model_.picks.clear();
 }
 
 float Interface::corridor() const {
-  return corridor_ > 0 ? corridor_ : float(0.01 * bench_.navigator().scene_size());
+  return corridor_ > 0 ? corridor_ : float(0.01 * model_.navigator().scene_size());
 }
 
 double Interface::line_length() const {
-  return view::horizontal_length(bench_.picks.line(), bench_.navigator().up_axis());
+  return view::horizontal_length(model_.picks.line(), model_.navigator().up_axis());
 }
 
 void Interface::draw_profile(float width, float height) {
-  const auto& profile = bench_.picks.profile();
+  const auto& profile = model_.picks.profile();
   if (!profile) return;
   const float pad = 8 * window_.scale();
   const float tall = std::max(160 * window_.scale(), 0.42f * height);
@@ -73,14 +73,14 @@ void Interface::draw_profile(float width, float height) {
   ImGui::Begin("Profile", &open,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoScrollbar);
-  const std::string unit = view::unit_of(bench_.scene.loaded() ? bench_.scene.loaded()->crs : "");
+  const std::string unit = view::unit_of(model_.scene.loaded() ? model_.scene.loaded()->crs : "");
   const auto save = [&](const char* extension, const auto& write) {
     const std::string name = free_name("profile", extension);
     try {
       write(name);
-      bench_.say("saved " + name);
+      model_.say("saved " + name);
     } catch (const Error& error) {
-      bench_.say(error.what(), true);
+      model_.say(error.what(), true);
     }
   };
   if (ImGui::Button("save picture"))
@@ -90,7 +90,7 @@ void Interface::draw_profile(float width, float height) {
   ImGui::SameLine();
   if (ImGui::Button("save table"))
     save(".csv", [&](const std::string& name) {
-      view::write_profile(name, *profile, bench_.navigator().scene_size());
+      view::write_profile(name, *profile, model_.navigator().scene_size());
     });
   tooltip("distance, height, coordinates and number of each point, as CSV");
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale, room = ImGui::GetContentRegionAvail();
@@ -102,7 +102,7 @@ void Interface::draw_profile(float width, float height) {
     ImGui::Image(window_.plot(), room);
   }
   ImGui::End();
-  if (!open) bench_.picks.close_profile();
+  if (!open) model_.picks.close_profile();
 }
 
 }  // namespace sfumato::viewer

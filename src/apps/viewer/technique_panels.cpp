@@ -24,7 +24,7 @@ std::string Interface::resolved(const std::string& parameter) const {
 }
 
 void Interface::set(const std::string& parameter, const std::string& value) {
-  bench_.change(parameter, [&](view::Wishes& wishes) { wishes.set(parameter, value); });
+  model_.change(parameter, [&](view::ViewRequest& request) { request.set(parameter, value); });
 }
 
 void Interface::control(view::Control control) {
@@ -95,7 +95,7 @@ void Interface::control(view::Control control) {
   if (control.is_changed) {
     ImGui::SameLine();
     if (ImGui::SmallButton("×"))
-      bench_.change(control.name, [&](view::Wishes& wishes) { wishes.reset(control.name); });
+      model_.change(control.name, [&](view::ViewRequest& request) { request.reset(control.name); });
     tooltip("back to " + control.default_value);
   }
   ImGui::PopID();
@@ -106,7 +106,7 @@ void Interface::controls(const std::vector<view::Control>& all) {
 }
 
 void Interface::technique_panel() {
-  const std::string now = bench_.wishes().technique;
+  const std::string now = model_.request().technique;
   const auto& techniques = all_techniques();
   const float width = (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x) / 4;
   for (std::size_t i = 0; i < techniques.size(); ++i) {
@@ -115,13 +115,13 @@ void Interface::technique_panel() {
     if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_SliderGrab));
     if (chosen) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 1, 1, 1));
     if (ImGui::Button(techniques[i].name.c_str(), {width, 0}))
-      bench_.change("technique", [&](view::Wishes& wishes) { wishes.technique = techniques[i].name; });
+      model_.change("technique", [&](view::ViewRequest& request) { request.technique = techniques[i].name; });
     if (chosen) ImGui::PopStyleColor(2);
     tooltip(fmt::format("{}: {}\nkey {}", techniques[i].name, techniques[i].summary, i + 1));
   }
   if (now.empty()) note("looking for the technique that suits the scan");
-  if (!bench_.scene.reason().empty()) note("chosen: " + bench_.scene.reason());
-  if (picture() && bench_.settled())
+  if (!model_.scene.reason().empty()) note("chosen: " + model_.scene.reason());
+  if (picture() && model_.settled())
     for (const std::string& each : picture()->notes) note(each);
   ImGui::Spacing();
 }
@@ -131,7 +131,7 @@ void Interface::parameter_panel() {
   ImGui::SetNextItemWidth(-60 * window_.scale());
   ImGui::InputTextWithHint("##search", "search all parameters", &search_);
   ImGui::SameLine();
-  if (ImGui::Button("reset")) bench_.change("reset", [](view::Wishes& wishes) { wishes.reset_all(); });
+  if (ImGui::Button("reset")) model_.change("reset", [](view::ViewRequest& request) { request.reset_all(); });
   tooltip("every parameter of this technique back to its default");
   // A search finds parameters of all groups; without one the shared ones have panels of their own.
   std::string group;
@@ -147,7 +147,7 @@ void Interface::parameter_panel() {
     ImGui::TreePop();
   }
   if (ImGui::TreeNode("analysis before drawing")) {
-    controls(bench_.wishes().analysis_controls("analysis"));
+    controls(model_.request().analysis_controls("analysis"));
     ImGui::TreePop();
   }
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../picture/shot.h"
+#include "../picture/saved_picture.h"
 #include "interface.h"
 #include "panel_tools.h"
 #include "view/light_hand.h"
@@ -28,15 +28,15 @@ std::optional<double> Interface::wait_ms(double) const {
 }
 
 void Interface::show_picture() {
-  const auto& picture = bench_.picture();
-  const Furniture& furniture = bench_.wishes().furniture;
+  const auto& picture = model_.picture();
+  const Furniture& furniture = model_.request().furniture;
   if (!picture || (picture == uploaded_ && uploaded_furniture_ == furniture)) return;
   uploaded_ = picture;
   uploaded_furniture_ = furniture;
-  const bool exact = picture->image.width() == bench_.width() && picture->image.height() == bench_.height();
+  const bool exact = picture->image.width() == model_.width() && picture->image.height() == model_.height();
   if (furniture.empty() || !exact) return window_.upload(picture->image, exact);
   Image<Rgba8> explained = picture->image;
-  const view::Loaded* scene = bench_.scene.loaded();
+  const view::Loaded* scene = model_.scene.loaded();
   draw_furniture(explained, *picture, furniture, scene ? scene->pose.upright.up : UpAxis::pos_z,
                  scene ? scene->crs : "");
   window_.upload(explained, exact);
@@ -53,26 +53,26 @@ void Interface::draw_view(double now_ms, float width, float height) {
                    ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleVar();
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
-  bench_.set_size(int(std::lround(width * pixels.x)), int(std::lround(height * pixels.y)));
+  model_.set_size(int(std::lround(width * pixels.x)), int(std::lround(height * pixels.y)));
   show_picture();
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImGui::InvisibleButton("hand", {width, height},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                              ImGuiButtonFlags_MouseButtonMiddle);
   const bool hovered = ImGui::IsItemHovered();
-  window_.place_picture(bench_.width(), bench_.height());
+  window_.place_picture(model_.width(), model_.height());
   navigate(now_ms, pixels.x, pixels.y, hovered);
   draw_box(pixels.x, pixels.y);
   draw_marks(pixels.x, pixels.y);
   if (!uploaded_) {
-    const std::string text = bench_.activity().text.empty() ? "opening" : bench_.activity().text;
+    const std::string text = model_.activity().text.empty() ? "opening" : model_.activity().text;
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     const float bar = 220 * window_.scale(), x = 0.5f * width, y = 0.5f * height;
     list->AddText({x - 0.5f * size.x, y - 1.6f * size.y}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
     list->AddRectFilled({x - 0.5f * bar, y}, {x + 0.5f * bar, y + 4 * window_.scale()},
                         ImGui::GetColorU32(ImGuiCol_FrameBg), 2);
     list->AddRectFilled({x - 0.5f * bar, y},
-                        {x + bar * (float(bench_.activity().fraction) - 0.5f), y + 4 * window_.scale()},
+                        {x + bar * (float(model_.activity().fraction) - 0.5f), y + 4 * window_.scale()},
                         ImGui::GetColorU32(ImGuiCol_PlotHistogram), 2);
   }
   ImGui::End();
@@ -81,8 +81,8 @@ void Interface::draw_view(double now_ms, float width, float height) {
 void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
   const ImGuiIO& io = ImGui::GetIO();
   const double x = double(io.MousePos.x * sx), y = double(io.MousePos.y * sy);
-  const int height = bench_.height();
-  if (!bench_.picture()) return;
+  const int height = model_.height();
+  if (!model_.picture()) return;
   bool began = false;  // the way to where the button went down is no drag
   const auto clicked = [&](ImGuiMouseButton button) { return hovered && ImGui::IsMouseClicked(button); };
   if (drag_ == Drag::none && (clicked(ImGuiMouseButton_Left) || clicked(ImGuiMouseButton_Right) ||
@@ -91,12 +91,12 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
     drag_ = left && io.KeyShift && io.KeyCtrl ? Drag::light : left && !io.KeyShift ? Drag::rotate : Drag::pan;
     drag_px_ = 0;
     began = true;
-    pivot_ = drag_ == Drag::rotate ? bench_.pivot_at(x, y) : bench_.place_at(x, y);
+    pivot_ = drag_ == Drag::rotate ? model_.pivot_at(x, y) : model_.place_at(x, y);
     swallow_click_ = false;
     if (drag_ == Drag::rotate && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
       swallow_click_ = true;
       const dvec3 place = pivot_;
-      bench_.move("pivot", [&](view::Navigator& hand) { hand.look_at(place); });
+      model_.move("pivot", [&](view::Navigator& hand) { hand.look_at(place); });
     }
   }
   if (drag_ != Drag::none) {
@@ -104,12 +104,12 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
     drag_px_ += std::abs(dx) + std::abs(dy);
     // A click trembles by a pixel or two and moves nothing.
     if ((dx != 0 || dy != 0) && drag_px_ > 3 && drag_ == Drag::light) {
-      bench_.change("light", [&](view::Wishes& next) {
-        next.set("light", view::drag_light(next.settings(), bench_.camera(), bench_.navigator().up_axis(), dx,
+      model_.change("light", [&](view::ViewRequest& next) {
+        next.set("light", view::drag_light(next.settings(), model_.camera(), model_.navigator().up_axis(), dx,
                                            dy, height));
       });
     } else if ((dx != 0 || dy != 0) && drag_px_ > 3) {
-      bench_.move(drag_ == Drag::rotate ? "rotate" : "pan", [&](view::Navigator& hand) {
+      model_.move(drag_ == Drag::rotate ? "rotate" : "pan", [&](view::Navigator& hand) {
         if (drag_ == Drag::rotate)
           hand.rotate(dx, dy, height, pivot_);
         else
@@ -117,17 +117,17 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
       });
     }
     if (!io.MouseDown[0] && !io.MouseDown[1] && !io.MouseDown[2]) {
-      if (drag_ == Drag::rotate && drag_px_ <= 3 && !swallow_click_) bench_.pick(x, y, io.KeyCtrl);
+      if (drag_ == Drag::rotate && drag_px_ <= 3 && !swallow_click_) model_.pick(x, y, io.KeyCtrl);
       drag_ = Drag::none;
     }
   }
   if (hovered && io.MouseWheel != 0) {
     const double steps = double(io.MouseWheel);
     if (io.KeyShift) {
-      bench_.move("angle", [&](view::Navigator& hand) { hand.set_angle(hand.camera().fov_deg - 2 * steps); });
+      model_.move("angle", [&](view::Navigator& hand) { hand.set_angle(hand.camera().fov_deg - 2 * steps); });
     } else {
-      const dvec3 place = bench_.place_at(x, y);
-      bench_.move("zoom", [&](view::Navigator& hand) { hand.zoom(steps, place); });
+      const dvec3 place = model_.place_at(x, y);
+      model_.move("zoom", [&](view::Navigator& hand) { hand.zoom(steps, place); });
     }
   }
   const double seconds = std::clamp(1e-3 * (now_ms - last_fly_ms_), 0.0, 0.1);
@@ -140,12 +140,12 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
   const dvec3 way(axis('D', 'A'), axis('E', 'Q'), axis('W', 'S'));
   const bool fast = window_.is_down(left_shift) || window_.is_down(right_shift);
   if (way != dvec3(0))
-    bench_.move("fly", [&](view::Navigator& hand) { hand.fly(way, seconds, fast ? 5 : 1); });
+    model_.move("fly", [&](view::Navigator& hand) { hand.fly(way, seconds, fast ? 5 : 1); });
 }
 
 void Interface::draw_marks(float sx, float sy) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const Camera camera = bench_.camera();
+  const Camera camera = model_.camera();
   const auto place = [&](const dvec3& world) {
     const dvec3 p = view::project(camera, world);
     return std::pair(ImVec2(float(p.x) / sx, float(p.y) / sy), p.z > 0 || camera.orthographic());
@@ -158,7 +158,7 @@ void Interface::draw_marks(float sx, float sy) {
       list->AddCircle(at, r + 1, rim, 24, 3.5f);
       list->AddCircle(at, r + 1, paint(0xffffff), 24, 1.5f);
     }
-  const auto& picked = bench_.picks.points();
+  const auto& picked = model_.picks.points();
   for (std::size_t i = 1; i < picked.size(); ++i) {
     const auto [a, seen_a] = place(picked[i - 1].world);
     const auto [b, seen_b] = place(picked[i].world);
@@ -166,9 +166,9 @@ void Interface::draw_marks(float sx, float sy) {
       list->AddLine(a, b, rim, 3.5f);
       list->AddLine(a, b, accent, 1.5f);
       const view::Measure m =
-          view::measure(picked[i - 1].world, picked[i].world, bench_.navigator().up_axis());
-      const std::string unit = view::unit_of(bench_.scene.loaded() ? bench_.scene.loaded()->crs : "");
-      const double size = bench_.navigator().scene_size();
+          view::measure(picked[i - 1].world, picked[i].world, model_.navigator().up_axis());
+      const std::string unit = view::unit_of(model_.scene.loaded() ? model_.scene.loaded()->crs : "");
+      const double size = model_.navigator().scene_size();
       if (picked.size() <= 12)
         label(list, {0.5f * (a.x + b.x) + 3 * r, 0.5f * (a.y + b.y)},
               fmt::format("{} {}", view::coordinate_text(m.distance, size), unit));
@@ -182,14 +182,14 @@ void Interface::draw_marks(float sx, float sy) {
   // What the newest picked point holds, in the corner.
   if (picked.empty()) return;
   const view::Picked& last = picked.back();
-  const double size = bench_.navigator().scene_size();
+  const double size = model_.navigator().scene_size();
   std::string text = fmt::format("x {}  y {}  z {}\npoint {}", view::coordinate_text(last.world.x, size),
                                  view::coordinate_text(last.world.y, size),
                                  view::coordinate_text(last.world.z, size), last.source);
   for (const auto& [name, value] : last.attributes) text += "\n" + name + "  " + value;
   if (picked.size() == 2) {
-    const view::Measure m = view::measure(picked[0].world, last.world, bench_.navigator().up_axis());
-    const std::string unit = view::unit_of(bench_.scene.loaded() ? bench_.scene.loaded()->crs : "");
+    const view::Measure m = view::measure(picked[0].world, last.world, model_.navigator().up_axis());
+    const std::string unit = view::unit_of(model_.scene.loaded() ? model_.scene.loaded()->crs : "");
     text += fmt::format("\ndistance {} {}\nheight {} {}\nhorizontal {} {}",
                         view::coordinate_text(m.distance, size), unit, view::coordinate_text(m.height, size),
                         unit, view::coordinate_text(m.horizontal, size), unit);
@@ -200,13 +200,13 @@ void Interface::draw_marks(float sx, float sy) {
 /// The ball that the light hangs on, and where: a full dot before it, a ring behind.
 void Interface::draw_light_ball(float sx, float sy) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const Camera camera = bench_.camera();
+  const Camera camera = model_.camera();
   const dvec3 right = glm::normalize(glm::cross(camera.direction(), camera.up)),
               above = glm::cross(right, camera.direction());
-  const dvec3 way = view::towards_light(bench_.wishes().settings(), camera, bench_.navigator().up_axis());
-  const float ball = 0.25f * float(std::min(bench_.width() / sx, bench_.height() / sy)),
+  const dvec3 way = view::towards_light(model_.request().settings(), camera, model_.navigator().up_axis());
+  const float ball = 0.25f * float(std::min(model_.width() / sx, model_.height() / sy)),
               r = 6 * window_.scale();
-  const ImVec2 middle{0.5f * float(bench_.width()) / sx, 0.5f * float(bench_.height()) / sy};
+  const ImVec2 middle{0.5f * float(model_.width()) / sx, 0.5f * float(model_.height()) / sy};
   const ImVec2 at{middle.x + ball * float(glm::dot(way, right)),
                   middle.y - ball * float(glm::dot(way, above))};
   const ImU32 amber = paint(0xffb000), rim = paint(0x101010, 0.6f);
@@ -223,9 +223,9 @@ void Interface::draw_light_ball(float sx, float sy) {
 }
 
 void Interface::draw_box(float sx, float sy) {
-  const auto& crop = bench_.wishes().points.selection.crop;
+  const auto& crop = model_.request().points.selection.crop;
   if (!clip_ || !crop) return;
-  const Camera camera = bench_.camera();
+  const Camera camera = model_.camera();
   ImDrawList* list = ImGui::GetWindowDrawList();
   const std::array<dvec3, 8> corners = crop->corners();
   for (unsigned i = 0; i < 8; ++i)

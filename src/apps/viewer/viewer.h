@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "view/workbench.h"
+#include "view/view_model.h"
 
 namespace sfumato::viewer {
 

@@ -17,33 +17,33 @@ class Picture:
     """One view. Arrays have the top row first; they are views of the picture, and None for outputs that were not asked for.
     A notebook shows the picture by itself."""
 
-    def __init__(self, shot):
-        self._shot = shot
+    def __init__(self, picture):
+        self._picture = picture
 
     @property
     def rgba(self):
         """uint8 (height, width, 4): sRGB, straight alpha."""
-        return self._shot.rgba()
+        return self._picture.rgba()
 
     @property
     def linear(self):
         """float32 (height, width, 4): linear light, premultiplied by alpha."""
-        return self._shot.linear()
+        return self._picture.linear()
 
     @property
     def depth(self):
         """float32 (height, width): along the view axis, scene units; inf where nothing is."""
-        return self._shot.depth()
+        return self._picture.depth()
 
     @property
     def normal(self):
         """float32 (height, width, 3): world, unit, facing the camera; 0 where there is none."""
-        return self._shot.normal()
+        return self._picture.normal()
 
     @property
     def index(self):
         """int64 (height, width): which point is seen, from 0 on and file after file; -1 where none is. Ask for it: outputs=["index"]."""
-        return self._shot.index()
+        return self._picture.index()
 
     @property
     def alpha(self):
@@ -55,54 +55,54 @@ class Picture:
     @property
     def camera(self):
         """The `Camera` of the view."""
-        return Camera._of(self._shot.camera)
+        return Camera._of(self._picture.camera)
 
     @property
     def size(self):
         """(width, height), pixels."""
-        return self._shot.camera.size
+        return self._picture.camera.size
 
     @property
     def technique(self):
         """The technique's name: what "auto" became."""
-        return self._shot.technique
+        return self._picture.technique
 
     @property
     def reason(self):
         """Why "auto" chose the technique; empty when it was named."""
-        return self._shot.reason
+        return self._picture.reason
 
     @property
     def parameters(self):
         """Every parameter of the technique by name, with what automatic values became."""
-        return dict(self._shot.parameters)
+        return dict(self._picture.parameters)
 
     @property
     def analysis_parameters(self):
         """Those of what was measured before rendering."""
-        return dict(self._shot.analysis_parameters)
+        return dict(self._picture.analysis_parameters)
 
     @property
     def color_by(self):
         """What the colours show: "rgb", "elevation" ..., what "auto" became."""
-        return self._shot.color_by
+        return self._picture.color_by
 
     @property
     def legend(self):
         """What the colours mean, as a dict: `title` and either `low`, `high` and `colormap` (a name, or
         "#rrggbb,..." where heights are spread by numbers of points; see `colormap`), or `swatches`: (label,
         (r, g, b), points) each. None where colours explain themselves."""
-        return self._shot.legend
+        return self._picture.legend
 
     @property
     def background(self):
         """sRGB from 0 to 1."""
-        return self._shot.background
+        return self._picture.background
 
     @property
     def notes(self):
         """What is worth knowing about the picture, a list of lines."""
-        return self._shot.notes
+        return self._picture.notes
 
     def save(self, file, quality=90, dpi=0):
         """Writes .png .jpg .webp .tif (sRGB; the .tif of a plan is a GeoTIFF), .exr (linear, with depth and normals where they were asked for) or .npy (linear).
@@ -113,7 +113,7 @@ class Picture:
         if not 1 <= quality <= 100:
             raise Error(f"quality: {quality} is not in 1..100")
         file = os.fspath(file)
-        self._shot.save(file, os.path.splitext(file)[1].lower(), int(quality), float(dpi))
+        self._picture.save(file, os.path.splitext(file)[1].lower(), int(quality), float(dpi))
 
     def _repr_png_(self):
         if self.rgba is None:
@@ -220,10 +220,10 @@ class Renderer:
     def _show(self, cloud, is_read=True):
         if is_read:
             warn_of_damage(cloud)
-        self._drawn = _engine.Stage(cloud, self._opening, *self._look, self._progress)
+        self._drawn = _engine.CloudRenderer(cloud, self._opening, *self._look, self._progress)
 
     @property
-    def _stage(self):
+    def _renderer(self):
         """Of files that are read in parts, with what the last picture needed, or the first view."""
         if self._drawn is None:
             self._read([self._opening.first_view(1280, 720)], False, [])
@@ -258,7 +258,7 @@ class Renderer:
         outputs = [outputs] if isinstance(outputs, str) else list(outputs)
         paper = list(getattr(camera, "_paper", ()))
         furniture = paper + furniture_of({**self._furniture, "legend": self.legend, **dict(furniture)})
-        return Picture(self._stage.render(camera, _size(size or (1280, 720)), technique, settings, outputs, light_from, panorama,
+        return Picture(self._renderer.render(camera, _size(size or (1280, 720)), technique, settings, outputs, light_from, panorama,
                                           furniture, _progress.callback(progress)))
 
     def _camera(self, camera, size, default=(1280, 720)):
@@ -266,10 +266,10 @@ class Renderer:
         if camera is None:
             if self._first_camera is None and not self._first:
                 return None
-            wishes = {**self._first, **({"size": size} if size else {})}
+            request = {**self._first, **({"size": size} if size else {})}
             if self._first_camera is None:
-                return self.view(**{**({} if wishes.keys() & {"pixel_size", "scale"} else {"size": default}), **wishes})
-            return self.view(start=self._first_camera, **wishes) if wishes else self._first_camera
+                return self.view(**{**({} if request.keys() & {"pixel_size", "scale"} else {"size": default}), **request})
+            return self.view(start=self._first_camera, **request) if request else self._first_camera
         if isinstance(camera, (str, os.PathLike)):
             name = os.fspath(camera)
             camera = Camera.load(name) if name.endswith(".json") else self.view(name, size=size or self._first.get("size", default))
@@ -430,13 +430,13 @@ class Renderer:
         wanted = {**self._wanted, "color": color, "color_by": color_by, "colormap": colormap, "range": range, "exposure": exposure,
                   "class_colors": class_colors}
         request = self._request_of(wanted)
-        self._stage.set_color(request)
+        self._renderer.set_color(request)
         self._wanted, self._request = wanted, request  # also for what is read next
 
     @property
     def technique(self):
         """The name of the technique: what "auto" became."""
-        return self._stage.technique
+        return self._renderer.technique
 
     @property
     def up(self):
@@ -444,7 +444,7 @@ class Renderer:
         return self._opening.up
 
     def __len__(self):
-        return len(self._stage)
+        return len(self._renderer)
 
     def close(self):
         """Frees the GPU's memory; so does deleting the renderer."""
@@ -557,7 +557,7 @@ def contact_sheet(pictures, labels=None):
     labels = [picture.technique for picture in pictures] if labels is None else [str(label) for label in labels]
     if not pictures or len(labels) != len(pictures):
         raise Error(f"contact_sheet: found {len(pictures)} pictures and {len(labels)} labels, expected one label a picture")
-    return Picture(_engine.contact_sheet([picture._shot for picture in pictures], labels))
+    return Picture(_engine.contact_sheet([picture._picture for picture in pictures], labels))
 
 
 def colormaps():

@@ -69,11 +69,11 @@ def clusters(points, neighbors=30, min_size=100, point_threshold=6.0, region_thr
         Without colours: degrees up to which normals of neighbours differ, and how much a surface may bend.
     """
     cloud = as_cloud(points, progress)
-    wishes = {"neighbors": int(neighbors), "min_size": int(min_size), "point_threshold": float(point_threshold),
+    request = {"neighbors": int(neighbors), "min_size": int(min_size), "point_threshold": float(point_threshold),
               "region_threshold": float(region_threshold), "angle": float(angle), "bend": float(bend)}
     if gap is not None:
-        wishes["gap"] = float(gap)
-    return _in_rows(cloud, _engine.clusters(cloud._engine, wishes, _progress.callback(progress)), points, -1)
+        request["gap"] = float(gap)
+    return _in_rows(cloud, _engine.clusters(cloud._engine, request, _progress.callback(progress)), points, -1)
 
 
 def shadow_factors(points, light, shadows="soft", progress=None, **parameters):

@@ -163,7 +163,7 @@ class Layers final : public Technique {
   }
 
   bool render(Frame& frame) override {
-    const layers::ScreenExtent extent = settle(frame);
+    const layers::ScreenExtent extent = choose_extent(frame);
     const View view(extent.camera, frame.cloud.prepared().cloud.origin);
     begin(frame, extent, view);
     if (frame.visible) {
@@ -246,7 +246,7 @@ class Layers final : public Technique {
   bool is_first_shown() const { return peeled_ == std::max(parameters_.show_layer, 1); }
 
   /// Automatic values and what follows from the view.
-  layers::ScreenExtent settle(Frame& frame) {
+  layers::ScreenExtent choose_extent(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const ScreenSpacing spacing = spacings_.measure(frame.cloud, frame.views);
     const bool discs = draws_discs(frame.cloud);

@@ -1,4 +1,4 @@
-// The policy against a simulated clock and painters of known speed.
+// The policy against a simulated clock and render clients of known speed.
 #include "view/refinement.h"
 
 #include <gtest/gtest.h>

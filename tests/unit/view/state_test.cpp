@@ -1,4 +1,4 @@
-// Undo, paths, controls, wishes, picking and keys.
+// Undo, paths, controls, requests, picking and keys.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@
 #include "session/first_view.h"
 #include "session/option_samples.h"
 #include "session/request.h"
-#include "session/view_wishes.h"
+#include "session/camera_request.h"
 #include "view/controls.h"
 #include "view/history.h"
 #include "view/key_frames.h"
 #include "view/keys.h"
 #include "view/picking.h"
-#include "view/wishes.h"
+#include "view/view_request.h"
 
 namespace sfumato::view {
 namespace {
@@ -164,96 +164,96 @@ TEST(Controls, SayWhatIsAutomaticAndWhatChanged) {
   }
 }
 
-TEST(Wishes, SayTheCommandThatTheyAre) {
-  Wishes wishes;
-  wishes.files = {"a scan.laz"};
-  wishes.technique = "surface";
-  wishes.camera = {{1.5, -2.25, 0.1}, {0, 0, 0}, {0, 0, 1}, 45, false};
-  const std::vector<std::string> plain = wishes.words(640, 480);
+TEST(ViewRequest, SaysTheCommandThatItIs) {
+  ViewRequest view_request;
+  view_request.files = {"a scan.laz"};
+  view_request.technique = "surface";
+  view_request.camera = {{1.5, -2.25, 0.1}, {0, 0, 0}, {0, 0, 1}, 45, false};
+  const std::vector<std::string> plain = view_request.words(640, 480);
   EXPECT_EQ(plain, (std::vector<std::string>{"a scan.laz", "-t", "surface", "--resolution=640x480",
                                              "--camera-position=1.5,-2.25,0.1", "--camera-focal-point=0,0,0",
                                              "--camera-view-up=0,0,1"}));
-  wishes.set("disc_scale", "2");
-  wishes.set("shadows", "hard");
-  wishes.set("neighbors", "16");
-  wishes.hide_classes = {2};
-  wishes.points.selection.crop = Bounds{{-1, 0, 0}, {1, 2, 3}};
-  wishes.color.color_by = "elevation";
-  wishes.camera.fov_deg = 30;
-  wishes.camera.orthographic = true;
-  const std::vector<std::string> words = wishes.words(640, 480);
+  view_request.set("disc_scale", "2");
+  view_request.set("shadows", "hard");
+  view_request.set("neighbors", "16");
+  view_request.hide_classes = {2};
+  view_request.points.selection.crop = Bounds{{-1, 0, 0}, {1, 2, 3}};
+  view_request.color.color_by = "elevation";
+  view_request.camera.fov_deg = 30;
+  view_request.camera.orthographic = true;
+  const std::vector<std::string> words = view_request.words(640, 480);
   for (const char* each :
        {"--disc-scale=2", "--shadows=hard", "--neighbors=16", "--hide-classes=2", "--crop=-1,0,0,1,2,3",
         "--color-by=elevation", "--camera-view-angle=30", "--camera-orthographic"})
     EXPECT_THAT(words, Contains(each));
 }
 
-TEST(Wishes, SayOrthographicViewsThatTheCommandFinds) {
-  Wishes wishes;
-  wishes.files = {"a.laz"};
+TEST(ViewRequest, SayOrthographicViewsThatTheCommandFinds) {
+  ViewRequest view_request;
+  view_request.files = {"a.laz"};
   for (const double angle : {45.0, 30.0}) {
-    wishes.camera = {{1.5, -2.25, 0.1}, {0, 0.5, 0}, {0, 0, 1}, angle, true};
+    view_request.camera = {{1.5, -2.25, 0.1}, {0, 0.5, 0}, {0, 0, 1}, angle, true};
     Request request;
-    for (const std::string& word : wishes.words(640, 480))
+    for (const std::string& word : view_request.words(640, 480))
       if (const std::size_t end = word.find('='); word.starts_with("--camera-"))
         set(request, word.substr(2, end - 2), end == word.npos ? "true" : word.substr(end + 1));
     request.view.size = {640, 480};
     Pose pose;  // whatever the scan is
     pose.subject.box = {{-40, -40, -3}, {40, 70, 9}};
     pose.subject.points = {pose.subject.box.min, pose.subject.box.max};
-    const Camera found = view_of(pose, request.view), shown = wishes.camera.to_camera(640, 480);
+    const Camera found = view_of(pose, request.view), shown = view_request.camera.to_camera(640, 480);
     EXPECT_EQ(found.view(), shown.view());
     EXPECT_EQ(found.pixels_per_unit(), shown.pixels_per_unit()) << angle;
   }
 }
 
-TEST(Wishes, SayItemsAndWhereFilesAre) {
-  Wishes wishes;
-  wishes.files = {"a.laz", "b.laz"};
-  wishes.technique = "splats";
-  wishes.items = {DrawRow::from("class 3-5:  soft  opacity=0.2"), {"z 3..", "surface", "", false}};
+TEST(ViewRequest, SayItemsAndWhereFilesAre) {
+  ViewRequest view_request;
+  view_request.files = {"a.laz", "b.laz"};
+  view_request.technique = "splats";
+  view_request.items = {DrawRow::from("class 3-5:  soft  opacity=0.2"), {"z 3..", "surface", "", false}};
   dmat4 moved(1);
   moved[3] = {12.5, 0, -1, 1};
-  wishes.placed = {std::nullopt, moved};
-  const std::vector<std::string> words = wishes.words(64, 48);
+  view_request.placed = {std::nullopt, moved};
+  const std::vector<std::string> words = view_request.words(64, 48);
   EXPECT_THAT(words, Contains("--draw=class 3-5: soft opacity=0.2"));
   EXPECT_THAT(words, Contains("--draw=z 3..: none"));  // what is not visible
   EXPECT_THAT(words, Contains("--transform=2: 1,0,0,12.5,0,1,0,0,0,0,1,-1,0,0,0,1"));
-  EXPECT_EQ(wishes.session_options().draw.size(), 2u);
-  Wishes shown = wishes;
+  EXPECT_EQ(view_request.session_options().draw.size(), 2u);
+  ViewRequest shown = view_request;
   shown.items[1].visible = true;
-  EXPECT_NE(shown.scene_key(), wishes.scene_key());
+  EXPECT_NE(shown.scene_key(), view_request.scene_key());
   EXPECT_THAT(shown.words(64, 48), Contains("--draw=z 3..: surface"));
-  wishes.items[0].technique = "sofd";
-  EXPECT_THROW((void)wishes.session_options(), Error);
+  view_request.items[0].technique = "sofd";
+  EXPECT_THROW((void)view_request.session_options(), Error);
 }
 
-TEST(Wishes, KeepParametersByTechniqueAndShareWhatIsShared) {
-  Wishes wishes;
-  wishes.technique = "surface";
-  wishes.set("disc_scale", "2");
-  wishes.set("ambient", "0.5");
-  wishes.technique = "points";
-  EXPECT_EQ(wishes.parameters_of("points"), (NamesAndValues{{"ambient", "0.5"}}));
-  EXPECT_EQ(wishes.parameters_of("surface"), (NamesAndValues{{"ambient", "0.5"}, {"disc_scale", "2"}}));
-  EXPECT_THROW(wishes.set("disc_scale", "2"), Error);
-  EXPECT_THROW(wishes.set("ambient", "7"), Error);
-  wishes.set("ambient", "auto");  // the default is no wish
-  EXPECT_TRUE(wishes.parameters_of("points").empty());
+TEST(ViewRequest, KeepParametersByTechniqueAndShareWhatIsShared) {
+  ViewRequest view_request;
+  view_request.technique = "surface";
+  view_request.set("disc_scale", "2");
+  view_request.set("ambient", "0.5");
+  view_request.technique = "points";
+  EXPECT_EQ(view_request.parameters_of("points"), (NamesAndValues{{"ambient", "0.5"}}));
+  EXPECT_EQ(view_request.parameters_of("surface"), (NamesAndValues{{"ambient", "0.5"}, {"disc_scale", "2"}}));
+  EXPECT_THROW(view_request.set("disc_scale", "2"), Error);
+  EXPECT_THROW(view_request.set("ambient", "7"), Error);
+  view_request.set("ambient", "auto");  // the default is no setting
+  EXPECT_TRUE(view_request.parameters_of("points").empty());
 }
 
 // A saved scene looks the same in whatever window it is opened.
-TEST(Wishes, TakeBackTheOptionsThatTheyGave) {
-  Wishes plain, coloured;
+TEST(ViewRequest, TakeBackTheOptionsThatTheyGave) {
+  ViewRequest plain, coloured;
   coloured.color.color_by = "classification", coloured.color.colormap = "turbo";
   coloured.color.exposure = 2, coloured.color.range = {1, 5};
   coloured.background = vec3(0), coloured.whole = true;
   coloured.furniture.legend = coloured.furniture.scale_bar = true, coloured.furniture.title = "Site 4";
   coloured.items = {DrawRow::from("class 3: soft")};
-  Wishes single;
+  ViewRequest single;
   set(single, "color", "steelblue");
-  for (const Wishes& saved : {plain, coloured, single})
-    for (Wishes window : {plain, coloured, single}) {
+  for (const ViewRequest& saved : {plain, coloured, single})
+    for (ViewRequest window : {plain, coloured, single}) {
       window.take_options(saved.options());
       EXPECT_EQ(window.options(), saved.options());
       EXPECT_EQ(window, saved);
@@ -261,51 +261,51 @@ TEST(Wishes, TakeBackTheOptionsThatTheyGave) {
 }
 
 // What windows have of a request is in the command that they give, whatever options come.
-TEST(Wishes, SayEveryOptionThatTheyTake) {
-  const Wishes plain;
+TEST(ViewRequest, SayEveryOptionThatTheyTake) {
+  const ViewRequest plain;
   for (const Option& option : request_options()) {
     if (option.scope != Option::Scope::look && option.scope != Option::Scope::place) continue;
-    Wishes wishes;
+    ViewRequest view_request;
     const std::string text = sample_of(option);
     ASSERT_FALSE(text.empty()) << option.name();
-    wishes.take_options({{option.name(), text}});
-    if (wishes == plain) continue;  // nothing that windows show
-    Wishes again;
-    again.take_options(wishes.options());
-    EXPECT_EQ(again, wishes) << option.name();
-    EXPECT_NE(wishes.words(1, 1), plain.words(1, 1)) << option.name();
+    view_request.take_options({{option.name(), text}});
+    if (view_request == plain) continue;  // nothing that windows show
+    ViewRequest again;
+    again.take_options(view_request.options());
+    EXPECT_EQ(again, view_request) << option.name();
+    EXPECT_NE(view_request.words(1, 1), plain.words(1, 1)) << option.name();
   }
 }
 
-TEST(Wishes, KeysTellWhatHasToBeDoneAnew) {
-  Wishes wishes;
-  wishes.files = {"a.laz"};
-  wishes.technique = "points";
-  Wishes other = wishes;
+TEST(ViewRequest, KeysTellWhatHasToBeDoneAnew) {
+  ViewRequest view_request;
+  view_request.files = {"a.laz"};
+  view_request.technique = "points";
+  ViewRequest other = view_request;
   other.camera.position = {3, 3, 3};
-  EXPECT_EQ(other.look(), wishes.look());
-  EXPECT_NE(other.camera, wishes.camera);
-  other = wishes;
+  EXPECT_EQ(other.look(), view_request.look());
+  EXPECT_NE(other.camera, view_request.camera);
+  other = view_request;
   other.set("ambient", "0.5");
-  EXPECT_NE(other.look(), wishes.look());
-  EXPECT_EQ(other.scene_key(), wishes.scene_key());
-  other = wishes;
+  EXPECT_NE(other.look(), view_request.look());
+  EXPECT_EQ(other.scene_key(), view_request.scene_key());
+  other = view_request;
   other.hide_classes = {5};
-  EXPECT_NE(other.scene_key(), wishes.scene_key());
-  other = wishes;
+  EXPECT_NE(other.scene_key(), view_request.scene_key());
+  other = view_request;
   other.color.colormap = "turbo";
-  EXPECT_NE(other.color, wishes.color);
-  EXPECT_EQ(other.scene_key(), wishes.scene_key());
-  other = wishes;
+  EXPECT_NE(other.color, view_request.color);
+  EXPECT_EQ(other.scene_key(), view_request.scene_key());
+  other = view_request;
   other.placed = {std::nullopt};  // said or not, the file stands where its points say
-  EXPECT_EQ(other.scene_key(), wishes.scene_key());
+  EXPECT_EQ(other.scene_key(), view_request.scene_key());
   other.placed = {dmat4(2)};
-  EXPECT_NE(other.scene_key(), wishes.scene_key());
-  other = wishes;
+  EXPECT_NE(other.scene_key(), view_request.scene_key());
+  other = view_request;
   other.points.read.strict = true;
-  EXPECT_EQ(other.scene_key(), wishes.scene_key());
+  EXPECT_EQ(other.scene_key(), view_request.scene_key());
   other.set("neighbors", "31");
-  EXPECT_NE(other.scene_key(), wishes.scene_key());
+  EXPECT_NE(other.scene_key(), view_request.scene_key());
 }
 
 TEST(Picking, TakesTheNearestPointInFront) {

@@ -1,4 +1,4 @@
-#include "shot.h"
+#include "saved_picture.h"
 
 #include "core/option_text.h"
 #include "core/version.h"
@@ -27,9 +27,9 @@ io::PngTexts texts_of(const std::string& command, const Camera& camera, const st
   return texts;
 }
 
-io::PngTexts finish(view::Shot& shot, const std::string& name) {
-  draw_furniture(shot.picture.image, shot.picture, shot.furniture, shot.up, shot.crs);
-  return texts_of(command_of(shot.words, name), shot.picture.camera, shot.cutaway);
+io::PngTexts finish(view::SavedPicture& saved, const std::string& name) {
+  draw_furniture(saved.picture.image, saved.picture, saved.furniture, saved.up, saved.crs);
+  return texts_of(command_of(saved.words, name), saved.picture.camera, saved.cutaway);
 }
 
 }  // namespace sfumato

@@ -17,17 +17,17 @@
 
 namespace sfumato::python {
 
-struct StageOptions {
+struct CloudRendererOptions {
   Request request;
   Settings parameters;
   Preset preset;  ///< its parameters hold where the technique has them
 };
 
-struct ShotRequest {
+struct PictureRequest {
   std::optional<Camera> camera;          ///< nothing: the first view
   int width = 1280, height = 720;        ///< of the first view
-  std::optional<std::string> technique;  ///< nothing: that of the stage
-  Settings parameters;                   ///< on top of those of the stage
+  std::optional<std::string> technique;  ///< nothing: that of the renderer
+  Settings parameters;                   ///< on top of those of the renderer
   std::optional<Camera> light_from;      ///< the light stays where it is for this camera, as along a path
   bool panorama = false;                 ///< everything around the camera
   Furniture furniture;                   ///< drawn into the sRGB picture
@@ -36,7 +36,7 @@ struct ShotRequest {
 };
 
 /// A picture and what is known of it. Arrays of Python are views of its images.
-struct Shot {
+struct RenderedPicture {
   RenderOutput images;
   Image<std::int64_t> index;  ///< session/point_index.h
   Camera camera;
@@ -52,18 +52,19 @@ struct Shot {
 };
 
 /// Writes a picture in the format of its extension. Throws Error(usage) for others.
-void save(const Shot& shot, const std::string& file, const std::string& extension, int quality, double dpi);
+void save(const RenderedPicture& picture, const std::string& file, const std::string& extension, int quality,
+          double dpi);
 
-class Stage final : public OnGl {
+class CloudRenderer final : public OnGl {
  public:
   /// Everything that can be wrong before points are touched.
-  explicit Stage(StageOptions options);
+  explicit CloudRenderer(CloudRendererOptions options);
 
   // All of these on the thread of the context.
   void open(gl::Context& context, scene::Scene scene, const Pose& pose, Progress& progress);
   void set_color(const ColorSettings& color);
   void clear() override;
-  void render(const ShotRequest& request, Shot& shot, Progress& progress);
+  void render(const PictureRequest& request, RenderedPicture& picture, Progress& progress);
 
   /// Whether anything is drawn with shadows, with these parameters on top.
   bool has_shadows(const Settings& parameters) const;
@@ -71,11 +72,11 @@ class Stage final : public OnGl {
   Choice& choice() { return choice_; }
 
  private:
-  ChosenTechnique& look_for(const ShotRequest& request);
+  ChosenTechnique& look_for(const PictureRequest& request);
   /// Sets one parameter of a look, or throws Error(usage) that says who has it.
   void set(ChosenTechnique& look, const std::string& name, const std::string& value) const;
 
-  StageOptions options_;
+  CloudRendererOptions options_;
   Choice choice_;
   std::map<std::string, std::unique_ptr<ChosenTechnique>> looks_;  ///< of the techniques that were asked for
   std::unique_ptr<Session> session_;

@@ -1,5 +1,5 @@
-// Painters that are asked for much at once, and painters when the driver fails them: faults are put in the
-// place of the driver's own functions.
+// Render clients that are asked for much at once, and render clients when the driver fails them: faults are
+// put in the place of the driver's own functions.
 #include <epoxy/gl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <chrono>
 #include <thread>
 
-#include "view/painter.h"
+#include "view/render_client.h"
 
 namespace sfumato::view {
 namespace {
@@ -17,12 +17,12 @@ using ::testing::HasSubstr;
 GLenum GLAPIENTRY reset_by_us() { return GL_GUILTY_CONTEXT_RESET; }
 GLenum GLAPIENTRY no_memory() { return GL_OUT_OF_MEMORY; }
 
-class PainterTest : public ::testing::Test {
+class RenderClientTest : public ::testing::Test {
  protected:
-  PainterTest() : painter_(std::make_shared<Painter::Gate>(1), [] {}) {
+  RenderClientTest() : client_(std::make_shared<RenderClient::Gate>(1), [] {}) {
     SceneJob job = scene(1, 4000);
     pose_ = job.pose;
-    painter_.show(std::move(job));
+    client_.show(std::move(job));
     EXPECT_TRUE(std::holds_alternative<SceneReady>(next()));
   }
 
@@ -36,7 +36,7 @@ class PainterTest : public ::testing::Test {
   }
   Answer next() {
     for (int i = 0; i < 60'000; ++i) {
-      if (waiting_.empty()) waiting_ = painter_.take_answers();
+      if (waiting_.empty()) waiting_ = client_.take_answers();
       if (!waiting_.empty()) {
         Answer first = std::move(waiting_.front());
         waiting_.erase(waiting_.begin());
@@ -45,7 +45,7 @@ class PainterTest : public ::testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     ADD_FAILURE() << "no answer within a minute";
-    return CalledOff{};
+    return JobCancelled{};
   }
   PictureJob picture(std::uint64_t id, int width, const std::string& technique = "points") {
     PictureJob job;
@@ -55,23 +55,23 @@ class PainterTest : public ::testing::Test {
     return job;
   }
   Answer paint(std::uint64_t id, int width) {
-    painter_.paint_for_keeps(picture(id, width));
+    client_.render_to_keep(picture(id, width));
     return next();
   }
 
-  Painter painter_;
+  RenderClient client_;
   Pose pose_;
   std::vector<Answer> waiting_;
 };
 
 // A hand that goes on does not lose the pictures it has saved, nor get them of other points.
-TEST_F(PainterTest, FinishesPicturesForKeepsBeforeTheNextScene) {
+TEST_F(RenderClientTest, FinishesPicturesForKeepsBeforeTheNextScene) {
   const Answer first = paint(2, 200);
   ASSERT_TRUE(std::holds_alternative<Picture>(first));
-  painter_.paint_for_keeps(picture(3, 200, "strokes"));
-  while (painter_.activity().text.empty()) std::this_thread::yield();  // it is under way
-  painter_.paint_for_keeps(picture(4, 200));
-  painter_.show(scene(5, 2000));
+  client_.render_to_keep(picture(3, 200, "strokes"));
+  while (client_.activity().text.empty()) std::this_thread::yield();  // it is under way
+  client_.render_to_keep(picture(4, 200));
+  client_.show(scene(5, 2000));
   const Answer under_way = next(), waiting = next(), shown = next();
   ASSERT_TRUE(std::holds_alternative<Picture>(under_way));
   EXPECT_EQ(std::get<Picture>(under_way).id, 3u);
@@ -82,18 +82,32 @@ TEST_F(PainterTest, FinishesPicturesForKeepsBeforeTheNextScene) {
   EXPECT_EQ(std::get<SceneReady>(shown).points, 2000u);
 }
 
-// While nothing is asked for the thread goes through its painters: for `make tsan`.
-TEST(PaintThreadTest, PaintersComeWhileItMeasuresAhead) {
-  const auto thread = Painter::make_thread(std::make_shared<Painter::Gate>(1));
-  std::vector<std::unique_ptr<Painter>> painters;
-  for (int i = 0; i < 2500; ++i) {
-    painters.push_back(std::make_unique<Painter>(thread, [] {}));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+// Whoever moves on is told so, and no error.
+TEST_F(RenderClientTest, ACancelledPictureIsNoFailure) {
+  int cancelled = 0;
+  for (std::uint64_t id = 2; id < 22; ++id) {
+    client_.render(picture(id, 800, "strokes"));
+    while (client_.activity().text.empty() && waiting_.empty()) waiting_ = client_.take_answers();
+    client_.cancel();
+    const Answer answer = next();
+    ASSERT_FALSE(std::holds_alternative<Failure>(answer)) << std::get<Failure>(answer).message;
+    cancelled += std::holds_alternative<JobCancelled>(answer);
   }
-  EXPECT_FALSE(painters.back()->renderer_name().empty());
+  EXPECT_GT(cancelled, 0);
 }
 
-TEST_F(PainterTest, SaysThatGraphicsMemoryIsFullAndGoesOn) {
+// While nothing is asked for the thread goes through its render clients: for `make tsan`.
+TEST(RenderThreadTest, ClientsComeWhileItMeasuresAhead) {
+  const auto thread = RenderClient::make_thread(std::make_shared<RenderClient::Gate>(1));
+  std::vector<std::unique_ptr<RenderClient>> clients;
+  for (int i = 0; i < 2500; ++i) {
+    clients.push_back(std::make_unique<RenderClient>(thread, [] {}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_FALSE(clients.back()->renderer_name().empty());
+}
+
+TEST_F(RenderClientTest, SaysThatGraphicsMemoryIsFullAndGoesOn) {
   ASSERT_TRUE(std::holds_alternative<Picture>(paint(2, 200)));
   const auto real = epoxy_glGetError;
   epoxy_glGetError = no_memory;
@@ -108,7 +122,7 @@ TEST_F(PainterTest, SaysThatGraphicsMemoryIsFullAndGoesOn) {
   EXPECT_EQ(std::get<Picture>(after).image.width(), 250);
 }
 
-TEST_F(PainterTest, SaysThatTheDriverWasResetAndEnds) {
+TEST_F(RenderClientTest, SaysThatTheDriverWasResetAndEnds) {
   ASSERT_TRUE(std::holds_alternative<Picture>(paint(2, 200)));
   const auto real = epoxy_glGetGraphicsResetStatus;
   epoxy_glGetGraphicsResetStatus = reset_by_us;

@@ -41,12 +41,12 @@ struct SceneKey {
 
 /// A request whose technique, items, places of files and camera a hand changes: `draw`, `transforms` and
 /// `view` of the request are empty here.
-struct Wishes : Request {
+struct ViewRequest : Request {
   using Values = std::map<std::string, std::string>;  ///< parameters that are not at their defaults
 
-  Wishes() = default;
+  ViewRequest() = default;
   /// What a window shows of it; `placed`: its files.
-  Wishes(const Request& request, const std::vector<scene::SceneFile>& placed);
+  ViewRequest(const Request& request, const std::vector<scene::SceneFile>& placed);
 
   std::vector<std::optional<dmat4>> placed;  ///< of the first files: world from file
   Values analysis;
@@ -102,8 +102,8 @@ struct Wishes : Request {
   NamesAndValues options() const;
   SceneKey scene_key() const;
   /// Without the camera and what is drawn over the picture.
-  Wishes look() const;
-  bool operator==(const Wishes&) const = default;
+  ViewRequest look() const;
+  bool operator==(const ViewRequest&) const = default;
 };
 
 }  // namespace sfumato::view

@@ -32,17 +32,17 @@ class Stopwatch {
 };
 
 /// One instance a command.
-class Studio {
+class PictureWriter {
  public:
   /// `command` is kept in the pictures.
-  Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command,
-         Console& console);
-  ~Studio();
+  PictureWriter(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command,
+                Console& console);
+  ~PictureWriter();
 
   /// Notes what there is to say about the points, and returns why `auto` chose the technique, if it did.
   std::string set_scene(scene::Scene scene, Pose pose);
   /// Renders one view with every technique and writes its files. `n` fills the names of pictures.
-  void shoot(const Camera& camera, int n, Stopwatch& watch);
+  void write_picture(const Camera& camera, int n, Stopwatch& watch);
   /// After the last picture.
   void finish();
 
@@ -58,7 +58,7 @@ class Studio {
   void write_depth_png(const std::string& name, const Image<float>& depth);
   void write(const RenderOutput& out, const Camera& camera, int n);
   struct Rows;
-  void shoot_rows(const Camera& camera, int n, Stopwatch& watch);
+  void write_rows(const Camera& camera, int n, Stopwatch& watch);
   void open(Rows& rows, const Camera& camera, int n);
   void add(Rows& rows, RenderOutput& strip, int first_row, const Camera& camera);
   void close(Rows& rows, const Camera& camera);

@@ -7,7 +7,7 @@
 
 namespace sfumato::analysis {
 
-struct Sight {
+struct SensorView {
   double first = 0;  ///< the share of the points that no other one hides
   /// Of the surfaces seen, what faces up less what faces down, of all, -1 to 1: floors and tables are seen
   /// from above.
@@ -26,12 +26,13 @@ struct Sight {
 
 /// Of who looks from `eye` along a unit vector, upright by `up`: nothing where 2 % or more of the points lie
 /// farther than 60 degrees from it to a side.
-Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up);
+SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along,
+                          const dvec3& up);
 
 /// From `eye` each line of sight meets one surface: 0 to 1.
-double is_one_picture(const Sight& sight);
+double is_one_picture(const SensorView& seen);
 /// The points are those of an image taken at `eye`, however noisy its depths are: 0 to 1.
-double is_image(const Sight& sight);
+double is_image(const SensorView& seen);
 
 /// The mean direction from `eye` to the points, a unit vector; 0 where they lie all around it.
 dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye);

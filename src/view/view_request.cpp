@@ -1,4 +1,4 @@
-#include "view/wishes.h"
+#include "view/view_request.h"
 
 #include <algorithm>
 
@@ -27,7 +27,7 @@ bool is_shown(const Option& option) {
 
 /// The list of what the analysis is told.
 struct AnalysisParameters {
-  explicit AnalysisParameters(const Wishes::Values& values = {}) {
+  explicit AnalysisParameters(const ViewRequest::Values& values = {}) {
     options.describe(list);
     for (const auto& [name, value] : values)
       if (Param* param = list.find(name)) param->set(value);
@@ -39,13 +39,13 @@ struct AnalysisParameters {
   ParamList list;
 };
 
-void drop_if_empty(std::map<std::string, Wishes::Values>& own, const std::string& technique) {
+void drop_if_empty(std::map<std::string, ViewRequest::Values>& own, const std::string& technique) {
   if (const auto mine = own.find(technique); mine != own.end() && mine->second.empty()) own.erase(mine);
 }
 
 }  // namespace
 
-Wishes::Wishes(const Request& request, const std::vector<scene::SceneFile>& files_of_request)
+ViewRequest::ViewRequest(const Request& request, const std::vector<scene::SceneFile>& files_of_request)
     : Request(request) {
   for (const DrawRule& rule : std::exchange(draw, {})) items.push_back(DrawRow::from(rule.text));
   for (const scene::SceneFile& file : files_of_request) placed.push_back(file.transform);
@@ -70,7 +70,7 @@ std::string DrawRow::rule() const {
   return selection + ": " + technique + (parameters.empty() ? "" : " " + parameters);
 }
 
-void Wishes::set(const std::string& parameter, const std::string& value) {
+void ViewRequest::set(const std::string& parameter, const std::string& value) {
   AnalysisParameters defaults;
   if (Param* param = defaults.list.find(parameter)) {
     param->set(value);
@@ -94,19 +94,19 @@ void Wishes::set(const std::string& parameter, const std::string& value) {
   drop_if_empty(own, look.name);
 }
 
-void Wishes::reset(const std::string& parameter) {
+void ViewRequest::reset(const std::string& parameter) {
   analysis.erase(parameter);
   shared.erase(parameter);
   if (const auto mine = own.find(technique); mine != own.end()) mine->second.erase(parameter);
   drop_if_empty(own, technique);
 }
 
-void Wishes::reset_all() {
+void ViewRequest::reset_all() {
   shared.clear();
   own.erase(technique);
 }
 
-void Wishes::take(const Look& look) {
+void ViewRequest::take(const Look& look) {
   for (std::size_t i = 0; i < look.parameters.all().size(); ++i) {
     const Param& param = look.parameters.all()[i];
     if (param.get() == param.default_text) continue;
@@ -114,14 +114,14 @@ void Wishes::take(const Look& look) {
   }
 }
 
-NamesAndValues Wishes::parameters_of(const std::string& technique_name) const {
+NamesAndValues ViewRequest::parameters_of(const std::string& technique_name) const {
   NamesAndValues values(shared.begin(), shared.end());
   if (const auto mine = own.find(technique_name); mine != own.end())
     values.insert(values.end(), mine->second.begin(), mine->second.end());
   return values;
 }
 
-SessionOptions Wishes::session_options() const {
+SessionOptions ViewRequest::session_options() const {
   SessionOptions options;
   options.prepare = AnalysisParameters(analysis).options;
   options.color = color;
@@ -130,13 +130,13 @@ SessionOptions Wishes::session_options() const {
   return options;
 }
 
-std::vector<scene::SceneFile> Wishes::scene_files() const {
+std::vector<scene::SceneFile> ViewRequest::scene_files() const {
   std::vector<scene::SceneFile> all = scene::files_of(files);
   for (std::size_t n = 0; n < std::min(all.size(), placed.size()); ++n) all[n].transform = placed[n];
   return all;
 }
 
-NamesAndValues Wishes::options() const {
+NamesAndValues ViewRequest::options() const {
   Request said = *this;
   for (const DrawRow& row : items) said.draw.push_back(DrawRule::parse(row.rule()));
   if (color.solid)  // which wins over these, and the command refuses them beside it
@@ -149,7 +149,7 @@ NamesAndValues Wishes::options() const {
   return all;
 }
 
-void Wishes::take_options(const NamesAndValues& given, bool with_points) {
+void ViewRequest::take_options(const NamesAndValues& given, bool with_points) {
   const auto of_points = [](const Option& option) { return option.group == "Points"; };
   std::vector<std::pair<const Option*, std::string>> shown;
   for (const auto& [name, value] : given)
@@ -165,17 +165,17 @@ void Wishes::take_options(const NamesAndValues& given, bool with_points) {
   (void)scene_options();
 }
 
-std::vector<Control> Wishes::analysis_controls(const std::string& group) const {
+std::vector<Control> ViewRequest::analysis_controls(const std::string& group) const {
   return controls_of(AnalysisParameters(analysis).list, group);
 }
 
-std::unique_ptr<Look> Wishes::make_look() const {
+std::unique_ptr<Look> ViewRequest::make_look() const {
   auto look = std::make_unique<Look>(technique.empty() ? stand_in_technique : technique);
   for (const auto& [name, value] : parameters_of(look->name)) look->set(name, value);
   return look;
 }
 
-RenderSettings Wishes::settings() const {
+RenderSettings ViewRequest::settings() const {
   RenderSettings settings;
   ParamList parameters;
   settings.describe(parameters);
@@ -183,7 +183,7 @@ RenderSettings Wishes::settings() const {
   return settings;
 }
 
-void Wishes::take(const Preset& from) {
+void ViewRequest::take(const Preset& from) {
   const SceneKey before = scene_key();
   if (!from.technique.empty() && from.technique != "auto") technique = find_technique(from.technique).name;
   reset_all();
@@ -203,14 +203,14 @@ void Wishes::take(const Preset& from) {
     frame_on_load = true;
 }
 
-void Wishes::save(const std::string& file, const std::optional<Camera>& seen) const {
+void ViewRequest::save(const std::string& file, const std::optional<Camera>& seen) const {
   const std::unique_ptr<Look> look = make_look();
   const Look* const looks[] = {look.get()};
   sfumato::save_preset(file, looks, AnalysisParameters(analysis).list, options(), seen,
                        seen ? scene_files() : std::vector<scene::SceneFile>());
 }
 
-std::vector<std::string> Wishes::words(int width, int height) const {
+std::vector<std::string> ViewRequest::words(int width, int height) const {
   std::vector<std::string> words = files;
   // A value may begin with a minus: the equals sign keeps it with its option.
   const auto say = [&](const std::string& name, const std::string& value) {
@@ -233,15 +233,15 @@ std::vector<std::string> Wishes::words(int width, int height) const {
   return words;
 }
 
-SceneKey Wishes::scene_key() const {
+SceneKey ViewRequest::scene_key() const {
   SceneKey key{scene_files(), {}, points, hide_classes, vertices, whole, analysis};
   for (const DrawRow& row : items) key.draw.push_back(row.rule());
   key.points.read.strict = false;  // the same points, or none
   return key;
 }
 
-Wishes Wishes::look() const {
-  Wishes look = *this;
+ViewRequest ViewRequest::look() const {
+  ViewRequest look = *this;
   look.camera = look.home = {};
   look.frame_on_load = false;
   look.furniture = {};

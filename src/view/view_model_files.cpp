@@ -1,37 +1,37 @@
-// Of a workbench: what its files are read for, and what comes of them.
+// Of a view model: what its files are read for, and what comes of them.
 #include <algorithm>
 #include <filesystem>
 
 #include "core/counted.h"
 #include "core/error.h"
-#include "view/workbench.h"
+#include "view/view_model.h"
 
 namespace sfumato::view {
 
-/// The scene that is drawn is not yet the one that is wished for.
-bool Workbench::is_loading_wishes() const {
+/// The scene that is drawn is not yet the one that is asked for.
+bool ViewModel::is_loading_request() const {
   return scene.loading() || (!scene.whole_.is_ready && !scene.follows_view()) ||
-         wishes_.scene_key() != scene.key_;
+         request_.scene_key() != scene.key_;
 }
 
 /// Nothing while points are read for a picture to be kept.
-std::optional<double> Workbench::load_due_ms() const {
-  return shots.of_view_.empty() ? scene.due_ms() : std::nullopt;
+std::optional<double> ViewModel::load_due_ms() const {
+  return saved_pictures.of_view_.empty() ? scene.due_ms() : std::nullopt;
 }
 
-LoadJob Workbench::load_job(const Wishes& wishes) const {
-  LoadJob job{scene.load_id_, wishes, wishes.scene_files()};
+LoadJob ViewModel::load_job(const ViewRequest& request) const {
+  LoadJob job{scene.load_id_, request, request.scene_files()};
   job.request.memory = start_.memory;
   // Windows show heights as they are.
   job.request.exaggeration.reset(), job.request.output_index.clear(), job.request.panorama = false;
   return job;
 }
 
-void Workbench::load(bool anew) {
+void ViewModel::load(bool anew) {
   scene.load_id_ = next_id_++;
-  scene.stage_ = Stage::reading;
+  scene.load_state_ = LoadState::reading;
   scene.is_to_read_anew_ = false;
-  scene.wanted_key_ = wishes_.scene_key();
+  scene.wanted_key_ = request_.scene_key();
   if (scene.key_ != scene.wanted_key_) file_times_.clear();
   scene.key_ = scene.wanted_key_;
   scene.known_.reset();
@@ -42,12 +42,12 @@ void Workbench::load(bool anew) {
     // Both keep it: one that had to be read again would miss what the other has.
     const bool has_sample = sample_->hold(scene.wanted_key_), has_whole = whole_->hold(scene.wanted_key_);
     if (!has_sample || !has_whole) scene.known_.reset();
-    if (scene.known_) return loader_->call_off();
+    if (scene.known_) return loader_->cancel();
   }
-  LoadJob job = load_job(wishes_);
+  LoadJob job = load_job(request_);
   job.anew = anew;
-  job.sample_first = wishes_.frame_on_load && !anew;  // else something better is on the screen
-  if (scene.follows_view() && !wishes_.frame_on_load) {
+  job.sample_first = request_.frame_on_load && !anew;  // else something better is on the screen
+  if (scene.follows_view() && !request_.frame_on_load) {
     scene.read_view_ = wanted_view();
     job.seen = camera();
     job.has_shadows = scene.read_view_->has_shadows;
@@ -55,45 +55,46 @@ void Workbench::load(bool anew) {
   loader_->load(std::move(job));
 }
 
-Workbench::SeenView Workbench::wanted_view() const {
-  if (shots.of_view_.empty()) return view_of(wishes_, width_, height_);
-  const Shots::Order& shot = shots.of_view_.front();
-  return view_of(shot.wishes, shot.width, shot.height);
+ViewModel::SeenView ViewModel::wanted_view() const {
+  if (saved_pictures.of_view_.empty()) return view_of(request_, width_, height_);
+  const SavedPictures::Order& order = saved_pictures.of_view_.front();
+  return view_of(order.request, order.width, order.height);
 }
 
-const Wishes& Workbench::wishes_of_view() const {
-  return shots.of_view_.empty() ? wishes_ : shots.of_view_.front().wishes;
+const ViewRequest& ViewModel::request_of_view() const {
+  return saved_pictures.of_view_.empty() ? request_ : saved_pictures.of_view_.front().request;
 }
 
-Workbench::SeenView Workbench::view_of(const Wishes& wishes, int width, int height) {
-  return {wishes.camera, width, height, casts_shadows(wishes.settings().shadows)};
+ViewModel::SeenView ViewModel::view_of(const ViewRequest& request, int width, int height) {
+  return {request.camera, width, height, casts_shadows(request.settings().shadows)};
 }
 
-bool Workbench::is_coarser_than_wanted() const {
-  return scene.follows_view() && scene.stage_ != Stage::refused && scene.stage_ != Stage::unreadable &&
+bool ViewModel::is_coarser_than_wanted() const {
+  return scene.follows_view() && scene.load_state_ != LoadState::refused &&
+         scene.load_state_ != LoadState::unreadable &&
          (!scene.whole_.is_ready || scene.is_reading_view_ || scene.read_view_ != wanted_view());
 }
 
 /// Reads what the view shows of files with levels, once the hand rests.
-void Workbench::follow_view() {
+void ViewModel::follow_view() {
   if (!scene.may_follow_view() || width_ <= 0) return;
   const SeenView wanted = wanted_view();
   if (scene.read_view_ == wanted) {
-    if (!shots.of_view_.empty() && scene.whole_.is_ready && !scene.is_reading_view_) {
+    if (!saved_pictures.of_view_.empty() && scene.whole_.is_ready && !scene.is_reading_view_) {
       // A hand that went on while the points were read gets the picture it asked for.
-      paint_shot(shots.of_view_.front().wishes, wanted.width, wanted.height);
-      shots.of_view_.pop_front();
+      render_saved(saved_pictures.of_view_.front().request, wanted.width, wanted.height);
+      saved_pictures.of_view_.pop_front();
     }
     return;
   }
-  if (std::exchange(scene.is_reading_view_, false)) loader_->call_off();
+  if (std::exchange(scene.is_reading_view_, false)) loader_->cancel();
   scene.read_view_.reset();
-  if (refinement_.moving(now_ms_) && shots.of_view_.empty()) return;
+  if (refinement_.moving(now_ms_) && saved_pictures.of_view_.empty()) return;
   scene.read_view_ = wanted;
   scene.is_reading_view_ = true;
   scene.load_id_ = next_id_++;
-  const Wishes& wishes = wishes_of_view();
-  LoadJob job = load_job(wishes);
+  const ViewRequest& request = request_of_view();
+  LoadJob job = load_job(request);
   job.seen = wanted.camera.to_camera(wanted.width, wanted.height);
   job.has_shadows = wanted.has_shadows;
   job.pose = scene.loaded_->pose;
@@ -102,8 +103,8 @@ void Workbench::follow_view() {
   loader_->load(std::move(job));
 }
 
-void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
-  const Wishes& wanted = wishes_of_view();
+void ViewModel::send_scene(Loaded& loaded, bool is_another_view) {
+  const ViewRequest& wanted = request_of_view();
   const auto job_of = [&](scene::Scene part) {
     SceneJob job;
     job.id = next_id_++;
@@ -112,8 +113,8 @@ void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
     job.options = wanted.session_options();
     job.technique = wanted.technique;
     if (start_.shared && !loaded.is_sample && !loaded.follows_view) job.shared_key = scene.key_;
-    job.parameters_of = [wishes = wanted](const std::string& technique) {
-      return wishes.parameters_of(technique);
+    job.parameters_of = [request = wanted](const std::string& technique) {
+      return request.parameters_of(technique);
     };
     return job;
   };
@@ -121,29 +122,29 @@ void Workbench::send_scene(Loaded& loaded, bool is_another_view) {
   refinement_.set_whole_ready(false);
   if (!is_another_view) refinement_.forget();
   in_flight_ = 0;
-  refinement_.called_off();
+  refinement_.cancel();
   SceneJob sample = job_of(std::move(loaded.sample));
   scene.sample_.id = sample.id;
   sample_->show(std::move(sample));
   if (loaded.is_sample) return;
   SceneJob whole = job_of(std::move(loaded.whole));
   scene.whole_.id = whole.id;
-  if (scene.loading()) scene.stage_ = Stage::preparing;
-  if (!loaded.is_coarse) whole.settle = start_.settle;
+  if (scene.loading()) scene.load_state_ = LoadState::preparing;
+  if (!loaded.is_coarse) whole.resolve = start_.resolve;
   // The view is shown before the technique has measured its points.
   whole.measures = !is_another_view;
-  stand_in_is_due_ = is_another_view && wishes_.technique != stand_in_technique;
+  stand_in_is_due_ = is_another_view && request_.technique != stand_in_technique;
   whole_->show(std::move(whole));
 }
 
-void Workbench::take_loaded(Loaded loaded) {
+void ViewModel::take_loaded(Loaded loaded) {
   if (loaded.id != scene.load_id_) return;
   const bool is_another_view = scene.is_reading_view_;
   if (!loaded.is_coarse) scene.is_reading_view_ = false;
   if (loaded.is_shown) return;
   if (loaded.failure) {
-    if (!is_another_view) scene.stage_ = Stage::unreadable;
-    shots.drop_waiting();
+    if (!is_another_view) scene.load_state_ = LoadState::unreadable;
+    saved_pictures.drop_waiting();
     if (!scene.loaded_) fatal_ = loaded.failure;
     say(loaded.failure->message, true);
     if (scene.has_sample_only()) say("what is shown is a sample of what could be read");
@@ -155,7 +156,7 @@ void Workbench::take_loaded(Loaded loaded) {
     if (notes_said_.insert(note).second) say(note);  // not again for every slice of the same files
   if (!is_another_view) picks.clear(), picks.close_profile();
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject, loaded.pose.vertical());
-  if (wishes_.frame_on_load && width_ > 0 && loaded.is_first) {
+  if (request_.frame_on_load && width_ > 0 && loaded.is_first) {
     ViewCamera first;
     try {
       first = ViewCamera::from(start_.first_camera ? start_.first_camera(loaded.pose, width_, height_)
@@ -164,8 +165,8 @@ void Workbench::take_loaded(Loaded loaded) {
       if (!loaded.is_sample) say(error.what(), true);
       first = ViewCamera::from(first_view(loaded.pose, width_, height_));
     }
-    const auto place = [&](Wishes& each) {
-      if (!each.frame_on_load || each.files != wishes_.files) return;
+    const auto place = [&](ViewRequest& each) {
+      if (!each.frame_on_load || each.files != request_.files) return;
       each.home = first;
       // A hand that has turned the sample goes on from there.
       if (!scene.sample_camera_ || each.camera == *scene.sample_camera_) each.camera = first;
@@ -174,12 +175,12 @@ void Workbench::take_loaded(Loaded loaded) {
       if (!loaded.is_sample && sequence.holds(each.files) && !each.points.up)
         each.points.up = loaded.pose.upright.up;
     };
-    const bool is_wanted = wishes_.scene_key() == scene.key_;
+    const bool is_wanted = request_.scene_key() == scene.key_;
     amend(place);
-    if (is_wanted) scene.key_ = scene.wanted_key_ = wishes_.scene_key();
+    if (is_wanted) scene.key_ = scene.wanted_key_ = request_.scene_key();
     scene.sample_camera_.reset();
     if (loaded.is_sample) scene.sample_camera_ = first;
-    if (!scene.loaded_) history_ = History<Wishes>(wishes_);  // there is nothing to go back to
+    if (!scene.loaded_) history_ = History<ViewRequest>(request_);  // there is nothing to go back to
   }
   if (!loaded.is_sample) start_.first_camera = nullptr;  // it is of the first files
   if (on_message)
@@ -197,11 +198,11 @@ void Workbench::take_loaded(Loaded loaded) {
   if (!is_another_view || refinement_.moving(now_ms_)) repaint();
 }
 
-void Workbench::watch_files() {
+void ViewModel::watch_files() {
   if (!watch || scene.is_to_read_anew_ || now_ms_ - watched_ms_ < 500) return;
   watched_ms_ = now_ms_;
   std::vector<std::pair<std::string, std::int64_t>> times;
-  for (const std::string& file : wishes_.files) {
+  for (const std::string& file : request_.files) {
     std::error_code error;
     const auto time = std::filesystem::last_write_time(file, error);
     if (error) return;  // being written: later
@@ -215,7 +216,7 @@ void Workbench::watch_files() {
 }
 
 /// A shader that does not compile is said, and the last picture stays.
-void Workbench::watch_shaders() {
+void ViewModel::watch_shaders() {
   if (start_.shader_folder.empty() || now_ms_ - shaders_watched_ms_ < 500) return;
   shaders_watched_ms_ = now_ms_;
   std::vector<std::pair<std::string, std::int64_t>> times;

@@ -1,4 +1,4 @@
-#include "analysis/sight.h"
+#include "analysis/sensor_view.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "stage.h"
+#include "cloud_renderer.h"
 
 #include <algorithm>
 
@@ -38,7 +38,8 @@ std::optional<std::string> own_name(const std::string& name, const std::string& 
 
 }  // namespace
 
-Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(options_.request.technique) {
+CloudRenderer::CloudRenderer(CloudRendererOptions options)
+    : options_(std::move(options)), choice_(options_.request.technique) {
   if (choice_.count != 1)
     throw Error(ErrorCode::usage,
                 "technique: '" + options_.request.technique + "' names several; render them one by one");
@@ -63,7 +64,7 @@ Stage::Stage(StageOptions options) : options_(std::move(options)), choice_(optio
   for (const auto& look : choice_.techniques) look->check();
 }
 
-void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Progress& progress) {
+void CloudRenderer::open(gl::Context& context, scene::Scene scene, const Pose& pose, Progress& progress) {
   has_all_points_ = !scene.levels;
   notes_ = notes_of_reading(scene);
   const auto add = [&](const std::string& note) {
@@ -78,7 +79,7 @@ void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Pro
   session_ = std::make_unique<Session>(context);
   session_->set_scene(std::move(scene), pose,
                       {choice_.prepare, request.color, request.background, request.draw}, progress);
-  if (choice_.automatic()) choice_.settle(session_->suggest());
+  if (choice_.automatic()) choice_.resolve(session_->suggest());
   session_->measure(choice_.techniques.front()->technique->needs(), progress);
   notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
   ChosenTechnique& chosen = *choice_.techniques.front();
@@ -88,8 +89,8 @@ void Stage::open(gl::Context& context, scene::Scene scene, const Pose& pose, Pro
   for (std::size_t part = 0; part < session_->parts().size(); ++part) points_ += session_->cloud(part).size();
 }
 
-bool Stage::has_shadows(const Settings& parameters) const {
-  // Asked before anything is read for what is not settled yet.
+bool CloudRenderer::has_shadows(const Settings& parameters) const {
+  // Asked before anything is read for what is not resolved yet.
   RenderSettings settings;
   ParamList shared;
   settings.describe(shared);
@@ -99,9 +100,9 @@ bool Stage::has_shadows(const Settings& parameters) const {
   return casts_shadows(settings.shadows);
 }
 
-void Stage::set_color(const ColorSettings& color) { session_->set_color(color); }
+void CloudRenderer::set_color(const ColorSettings& color) { session_->set_color(color); }
 
-void Stage::clear() {
+void CloudRenderer::clear() {
   looks_.clear();
   // What techniques hold on the GPU goes before its context does.
   for (const auto* each : {&choice_.techniques, &choice_.passed_over})
@@ -109,7 +110,7 @@ void Stage::clear() {
   session_.reset();
 }
 
-void Stage::set(ChosenTechnique& look, const std::string& name, const std::string& value) const {
+void CloudRenderer::set(ChosenTechnique& look, const std::string& name, const std::string& value) const {
   if (const auto own = own_name(name, look.name))
     if (Param* param = look.parameters.find(*own)) return param->set(value);
   if (choice_.prepare_parameters.find(name))
@@ -120,7 +121,7 @@ void Stage::set(ChosenTechnique& look, const std::string& name, const std::strin
   refuse_parameter(name, look.name, names);
 }
 
-ChosenTechnique& Stage::look_for(const ShotRequest& request) {
+ChosenTechnique& CloudRenderer::look_for(const PictureRequest& request) {
   ChosenTechnique& first = *choice_.techniques.front();
   std::string name = request.technique.value_or(first.name);
   if (name == automatic_technique) name = first.reason.empty() ? session_->suggest().technique : first.name;
@@ -131,7 +132,7 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
     look = other.get();
   }
   look->reset();
-  // What was given to the stage for its own technique is not meant for another one that lacks it.
+  // What was given to the renderer for its own technique is not meant for another one that lacks it.
   for (const auto* each : {&options_.preset.parameters, &options_.parameters})
     for (const auto& [key, value] : *each) {
       const auto own = own_name(key, look->name);
@@ -143,50 +144,50 @@ ChosenTechnique& Stage::look_for(const ShotRequest& request) {
   return *look;
 }
 
-void Stage::render(const ShotRequest& request, Shot& shot, Progress& progress) {
+void CloudRenderer::render(const PictureRequest& request, RenderedPicture& picture, Progress& progress) {
   if (!session_) throw Error(ErrorCode::usage, "the renderer is closed");
   ChosenTechnique& look = look_for(request);
   const UpAxis up = session_->pose().upright.up;
-  shot.camera = request.camera.value_or(session_->first_view(request.width, request.height));
-  if (request.panorama && shot.camera.width != 2 * shot.camera.height)
+  picture.camera = request.camera.value_or(session_->first_view(request.width, request.height));
+  if (request.panorama && picture.camera.width != 2 * picture.camera.height)
     throw Error(ErrorCode::usage, "size: a panorama is twice as wide as high: (" +
-                                      std::to_string(2 * shot.camera.height) + ", " +
-                                      std::to_string(shot.camera.height) + ")");
+                                      std::to_string(2 * picture.camera.height) + ", " +
+                                      std::to_string(picture.camera.height) + ")");
   constexpr int limit = Renderer::largest_side;
-  if (shot.camera.width > limit || shot.camera.height > limit)
-    throw Error(ErrorCode::usage, std::to_string(shot.camera.width) + "x" +
-                                      std::to_string(shot.camera.height) +
+  if (picture.camera.width > limit || picture.camera.height > limit)
+    throw Error(ErrorCode::usage, std::to_string(picture.camera.width) + "x" +
+                                      std::to_string(picture.camera.height) +
                                       " is beyond the largest picture (" + std::to_string(limit) +
                                       " px a side): give a smaller size");
   if (request.index && (request.panorama || !has_all_points_))
     throw Error(ErrorCode::usage, request.panorama
                                       ? "index: it is of one view, not of a panorama"
                                       : "index: it needs all points in memory: give more memory");
-  labels::check(request.furniture, shot.camera, up, request.panorama);
+  labels::check(request.furniture, picture.camera, up, request.panorama);
   if (request.light_from) fix_light(look.settings, *request.light_from, up);
   progress.update(0, "rendering " + look.name);
-  shot.images = request.panorama ? session_->render_panorama(look, shot.camera, request.wants, progress)
-                                 : session_->render(look, shot.camera, request.wants, progress);
-  if (request.index) shot.index = PointIndex(*session_).of(shot.camera, shot.images.depth);
-  shot.transparent = options_.request.no_background;
-  shot.up = up, shot.crs = crs_;
-  shot.technique = look.name;
-  shot.reason = look.reason;
-  shot.color_by = session_->coloring().source;
-  shot.background = session_->background();
-  shot.notes = notes_;
-  for (const std::string& note : session_->coloring().notes) shot.notes.push_back(note);
-  shot.coloring = session_->coloring();
-  const std::string of_legend = note_on_legend(shot.coloring, FrontEnd::python);
-  if (request.furniture.legend && !of_legend.empty()) shot.notes.push_back(of_legend);
-  if (!shot.images.rgba8.empty())
-    labels::draw_furniture(shot.images.rgba8, request.furniture,
-                           {shot.camera, up, crs_, shot.coloring, shot.background, request.panorama,
+  picture.images = request.panorama ? session_->render_panorama(look, picture.camera, request.wants, progress)
+                                    : session_->render(look, picture.camera, request.wants, progress);
+  if (request.index) picture.index = PointIndex(*session_).of(picture.camera, picture.images.depth);
+  picture.transparent = options_.request.no_background;
+  picture.up = up, picture.crs = crs_;
+  picture.technique = look.name;
+  picture.reason = look.reason;
+  picture.color_by = session_->coloring().source;
+  picture.background = session_->background();
+  picture.notes = notes_;
+  for (const std::string& note : session_->coloring().notes) picture.notes.push_back(note);
+  picture.coloring = session_->coloring();
+  const std::string of_legend = note_on_legend(picture.coloring, FrontEnd::python);
+  if (request.furniture.legend && !of_legend.empty()) picture.notes.push_back(of_legend);
+  if (!picture.images.rgba8.empty())
+    labels::draw_furniture(picture.images.rgba8, request.furniture,
+                           {picture.camera, up, crs_, picture.coloring, picture.background, request.panorama,
                             session_->pose().vertical_exaggeration});
-  for (const std::string& note : shot.images.notes) shot.notes.push_back(look.name + ": " + note);
-  for (const auto& [param, value] : look.resolved(shot.images.settings))
-    shot.parameters.push_back({param.name, param.kind, param.can_be_auto, value});
-  shot.analysis_parameters = resolved(choice_.prepare_parameters);
+  for (const std::string& note : picture.images.notes) picture.notes.push_back(look.name + ": " + note);
+  for (const auto& [param, value] : look.resolved(picture.images.settings))
+    picture.parameters.push_back({param.name, param.kind, param.can_be_auto, value});
+  picture.analysis_parameters = resolved(choice_.prepare_parameters);
 }
 
 }  // namespace sfumato::python

@@ -1,4 +1,4 @@
-#include "analysis/sight.h"
+#include "analysis/sensor_view.h"
 
 #include <tbb/parallel_for.h>
 
@@ -127,7 +127,8 @@ class AlongX {
 
 }  // namespace
 
-Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along, const dvec3& up) {
+SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& along,
+                          const dvec3& up) {
   constexpr double cone = 1.73, within = 0.98;  // tan 60 degrees
   constexpr double near = 0.33;                 // of the median depth; what stands there has less than .1
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
@@ -153,7 +154,7 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   const double behind = 1 + 3 * width / side;
   std::size_t seen = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) seen += depths[i] < nearest[place[i]] * behind;
-  Sight sight;
+  SensorView sight;
   sight.first = double(seen) / double(depths.size());
   sight.faces_up = faces_up(nearest, cells);
   sight.width = width;
@@ -176,11 +177,11 @@ Sight sight_of(std::span<const dvec3> points, const dvec3& eye, const dvec3& alo
   return sight;
 }
 
-double is_one_picture(const Sight& sight) {
+double is_one_picture(const SensorView& sight) {
   return std::clamp((sight.first - 0.75) / (0.9 - 0.75), 0.0, 1.0);
 }
 
-double is_image(const Sight& sight) {
+double is_image(const SensorView& sight) {
   // Of depth cameras that fill their picture `framed` is 0.32 to 0.92, of other clouds before the origin 0 to
   // 0.15, of photographs 0 to 0.2 (docs/measurements/first_view.md).
   return sight.of_pixels ? 1 : std::clamp((sight.framed - 0.2) / (0.5 - 0.2), 0.0, 1.0);
@@ -237,7 +238,7 @@ bool are_one_picture(std::span<const dvec3> points, const dvec3& eye) {
   const dvec3 along = mean_direction(points, eye);
   if (along == dvec3(0)) return false;
   const dvec3 up = std::abs(along.z) < 0.7 ? dvec3(0, 0, 1) : dvec3(0, 1, 0);
-  const Sight sight = sight_of(points, eye, along, up);
+  const SensorView sight = sensor_view_of(points, eye, along, up);
   return !sight.is_narrow() && is_one_picture(sight) >= 0.5;
 }
 

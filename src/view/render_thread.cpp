@@ -1,4 +1,4 @@
-#include "view/paint_thread.h"
+#include "view/render_thread.h"
 
 #include <chrono>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Without a wish, until attributes are measured that somebody may want.
+/// Without a request, until attributes are measured that somebody may want.
 constexpr std::chrono::milliseconds idle_time(1500);
 
 double ms_since(Clock::time_point start) {
@@ -35,11 +35,11 @@ Failure failure_of(std::uint64_t id) {
 
 }  // namespace
 
-/// Progress of the job under way, and the way to call it off.
-class PaintThread::Watch final : public Progress {
+/// Progress of the job under way, and the way to cancel it.
+class RenderThread::Watch final : public Progress {
  public:
   enum class Kind { scene, live, kept, idle };
-  Watch(PaintThread& thread, Wanted* one, Kind kind) : thread_(thread), one_(one), kind_(kind) {}
+  Watch(RenderThread& thread, Wanted* one, Kind kind) : thread_(thread), one_(one), kind_(kind) {}
   Kind kind() const { return kind_; }
   void update(double fraction, std::string_view text) override {
     if (!one_) return;
@@ -60,13 +60,13 @@ class PaintThread::Watch final : public Progress {
   }
 
  private:
-  PaintThread& thread_;
+  RenderThread& thread_;
   Wanted* one_;  ///< null: nobody waits for it
   Kind kind_;
   Clock::time_point last_wake_{};
 };
 
-void PaintThread::answer(Wanted& one, Answer answer) {
+void RenderThread::answer(Wanted& one, Answer answer) {
   std::function<void()> wake;
   {
     const std::lock_guard lock(mutex);
@@ -77,61 +77,61 @@ void PaintThread::answer(Wanted& one, Answer answer) {
   wake();
 }
 
-void PaintThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
-  if (const std::shared_ptr<Stand> known = find(job.shared_key)) {
+void RenderThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
+  if (const std::shared_ptr<SharedSession> known = find(job.shared_key)) {
     SceneReady ready = known->ready;
     ready.id = job.id;
     {
       const std::lock_guard lock(mutex);
-      one.stand = known;
+      one.shared = known;
       one.held_key.reset();
     }
     drop_unused();
     return answer(one, std::move(ready));
   }
   // Memory for two scenes at a time is not asked for where nobody else shows the old one.
-  std::shared_ptr<Stand> stand = std::exchange(one.stand, nullptr);
-  if (stand &&
-      std::any_of(shared_.begin(), shared_.end(), [&](const auto& each) { return each.second == stand; })) {
-    stand.reset();
+  std::shared_ptr<SharedSession> shared = std::exchange(one.shared, nullptr);
+  if (shared &&
+      std::any_of(shared_.begin(), shared_.end(), [&](const auto& each) { return each.second == shared; })) {
+    shared.reset();
     drop_unused();
   }
-  if (!stand) stand = std::make_shared<Stand>();
-  stand->sessions.resize(1);
-  Stand::Colored& first = stand->sessions.front();
+  if (!shared) shared = std::make_shared<SharedSession>();
+  shared->sessions.resize(1);
+  SharedSession::Colored& first = shared->sessions.front();
   if (!first.session) first.session = std::make_unique<Session>(*context_);
-  stand->looks.clear();  // what they hold of the last cloud is of no use for this one
+  shared->looks.clear();  // what they hold of the last cloud is of no use for this one
   first.color = job.options.color;
-  stand->file_names = job.scene.file_names;
-  stand->prepares_ahead = true;
+  shared->file_names = job.scene.file_names;
+  shared->prepares_ahead = true;
   SceneReady ready;
   ready.id = job.id;
   try {
     first.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, watch);
     std::string technique = job.technique;
-    if (technique.empty() && job.settle) {
-      ready.choice = job.settle(first.session->suggest());
+    if (technique.empty() && job.resolve) {
+      ready.choice = job.resolve(first.session->suggest());
       technique = ready.choice.technique;
     }
     Attributes needs;
     if (!technique.empty() && job.measures)
-      needs = stand->look_of(technique, job.parameters_of(technique)).technique->needs();
+      needs = shared->look_of(technique, job.parameters_of(technique)).technique->needs();
     first.session->measure(needs, watch);
   } catch (...) {
     // Refused before anything changed, it still draws the last scene; cut off half way, it has nothing.
-    if (!first.session->empty()) one.stand = stand;
+    if (!first.session->empty()) one.shared = shared;
     throw;
   }
   ready.points = first.session->prepared_points();
   ready.notes = first.session->notes();
   ready.left_out = first.session->left_out();
   ready.coloring = first.session->coloring();
-  stand->ready = ready;
+  shared->ready = ready;
   {
     const std::lock_guard lock(mutex);
-    one.stand = stand;
+    one.shared = shared;
     one.held_key.reset();
-    if (job.shared_key) shared_.emplace_back(*job.shared_key, stand);
+    if (job.shared_key) shared_.emplace_back(*job.shared_key, shared);
   }
   answer(one, std::move(ready));
 }
@@ -153,23 +153,23 @@ Image<float> sampled(const Image<float>& depth, int step) {
 }  // namespace
 
 /// As they are now: others come at any time.
-std::vector<std::shared_ptr<Painter::Wanted>> PaintThread::painters() const {
+std::vector<std::shared_ptr<RenderClient::Wanted>> RenderThread::clients() const {
   const std::lock_guard lock(mutex);
-  return painters_;
+  return clients_;
 }
 
-std::size_t PaintThread::painters_of(const Stand& stand) const {
+std::size_t RenderThread::clients_of(const SharedSession& shared) const {
   const std::lock_guard lock(mutex);
-  return std::size_t(std::count_if(painters_.begin(), painters_.end(),
-                                   [&](const auto& one) { return one->stand.get() == &stand; }));
+  return std::size_t(std::count_if(clients_.begin(), clients_.end(),
+                                   [&](const auto& one) { return one->shared.get() == &shared; }));
 }
 
-Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch) {
-  Stand& stand = *one.stand;
+Picture RenderThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch) {
+  SharedSession& shared = *one.shared;
   const auto asked = Clock::now();
-  Look& look = stand.look_of(job.technique, job.parameters);
-  Session& session = stand.session_of(job.color, job.background, painters_of(stand), *context_);
-  // What is measured once for all pictures is not called off with this one: a hand that moves on would never
+  Look& look = shared.look_of(job.technique, job.parameters);
+  Session& session = shared.session_of(job.color, job.background, clients_of(shared), *context_);
+  // What is measured once for all pictures is not cancelled with this one: a hand that moves on would never
   // see its end.
   Watch for_all(*this, &one, watch.kind() == Watch::Kind::kept ? Watch::Kind::kept : Watch::Kind::scene);
   session.complete(look, for_all);
@@ -198,9 +198,9 @@ Picture PaintThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch
 }
 
 /// The nearest of what each part offers: what lies clearly behind another part's point is hidden by it.
-PickAnswer PaintThread::do_pick(Wanted& one, const PickJob& job) {
-  const Stand& stand = *one.stand;
-  const Session& session = stand.session();
+PickAnswer RenderThread::do_pick(Wanted& one, const PickJob& job) {
+  const SharedSession& shared = *one.shared;
+  const Session& session = shared.session();
   PickAnswer found{job.id, {}};
   double nearest = 0;
   for (std::size_t k = 0; k < session.parts().size(); ++k) {
@@ -211,7 +211,7 @@ PickAnswer PaintThread::do_pick(Wanted& one, const PickJob& job) {
     const double depth = project(job.camera, cloud.world(*index)).z;
     if (found.picked && depth >= nearest) continue;
     nearest = depth;
-    found.picked = describe(cloud, *index, stand.file_names);
+    found.picked = describe(cloud, *index, shared.file_names);
     found.picked->source = session.source(k, *index);
   }
   return found;
@@ -219,29 +219,29 @@ PickAnswer PaintThread::do_pick(Wanted& one, const PickJob& job) {
 
 /// While nothing is asked for: measures what other techniques will want, so that the first switch to one does
 /// not wait for it. False when there is nothing to do.
-bool PaintThread::prepare_ahead() {
-  for (const std::shared_ptr<Wanted>& one : painters()) {
-    if (!one->stand || !one->stand->prepares_ahead) continue;
-    Stand& stand = *one->stand;
-    if (stand.session().prepared_points() > Stand::most_points_of_looks) continue;
+bool RenderThread::prepare_ahead() {
+  for (const std::shared_ptr<Wanted>& one : clients()) {
+    if (!one->shared || !one->shared->prepares_ahead) continue;
+    SharedSession& shared = *one->shared;
+    if (shared.session().prepared_points() > SharedSession::most_points_of_looks) continue;
     Watch watch(*this, nullptr, Watch::Kind::idle);
     try {
       const Attributes of_most = Attributes(Attribute::normal) | Attribute::radius | Attribute::uncertainty;
-      if (stand.session().complete(of_most, watch) ||
-          stand.session().complete(of_most | Attribute::cluster | Attribute::support, watch))
+      if (shared.session().complete(of_most, watch) ||
+          shared.session().complete(of_most | Attribute::cluster | Attribute::support, watch))
         return true;
-      stand.prepares_ahead = false;  // it is all there
+      shared.prepares_ahead = false;  // it is all there
     } catch (const Cancelled&) {
       return true;  // another time
     } catch (const std::exception&) {
-      stand.prepares_ahead = false;  // who asks for it will be told
+      shared.prepares_ahead = false;  // who asks for it will be told
     }
   }
   return false;
 }
 
-Profile PaintThread::do_profile(Wanted& one, const ProfileJob& job) {
-  const Session& session = one.stand->session();
+Profile RenderThread::do_profile(Wanted& one, const ProfileJob& job) {
+  const Session& session = one.shared->session();
   Profile profile;
   profile.id = job.id, profile.line = job.line, profile.width = job.width;
   for (std::size_t k = 0; k < session.parts().size(); ++k)
@@ -251,17 +251,17 @@ Profile PaintThread::do_profile(Wanted& one, const ProfileJob& job) {
 }
 
 /// Nothing more can be drawn: whoever asked is told by an answer of id 0.
-void PaintThread::lose(const Failure& failure) {
+void RenderThread::lose(const Failure& failure) {
   std::vector<std::shared_ptr<Wanted>> all;
   {
     const std::lock_guard lock(mutex);
     lost_ = failure;
-    all = painters_;
+    all = clients_;
   }
   for (const auto& one : all) answer(*one, failure);
 }
 
-bool PaintThread::is_lost() {
+bool RenderThread::is_lost() {
   try {
     gl::check_reset();
     return false;
@@ -271,18 +271,18 @@ bool PaintThread::is_lost() {
   }
 }
 
-/// Points that nobody shows or holds any more are dropped, and painters that are gone.
-void PaintThread::drop_unused() {
-  std::vector<std::shared_ptr<Stand>> unused;  // freed without the lock
+/// Points that nobody shows or holds any more are dropped, and render clients that are gone.
+void RenderThread::drop_unused() {
+  std::vector<std::shared_ptr<SharedSession>> unused;  // freed without the lock
   std::vector<std::shared_ptr<Wanted>> gone;
   const std::lock_guard lock(mutex);
   const auto is_gone = [](const auto& one) { return one->gone.load(); };
-  std::copy_if(painters_.begin(), painters_.end(), std::back_inserter(gone), is_gone);
-  std::erase_if(painters_, is_gone);
-  for (const auto& one : gone) unused.push_back(std::exchange(one->stand, nullptr));
+  std::copy_if(clients_.begin(), clients_.end(), std::back_inserter(gone), is_gone);
+  std::erase_if(clients_, is_gone);
+  for (const auto& one : gone) unused.push_back(std::exchange(one->shared, nullptr));
   std::erase_if(shared_, [&](const auto& each) {
-    if (std::any_of(painters_.begin(), painters_.end(), [&](const auto& one) {
-          return one->stand == each.second || one->held_key == each.first;
+    if (std::any_of(clients_.begin(), clients_.end(), [&](const auto& one) {
+          return one->shared == each.second || one->held_key == each.first;
         }))
       return false;
     unused.push_back(each.second);
@@ -291,17 +291,17 @@ void PaintThread::drop_unused() {
 }
 
 /// With the lock.
-std::shared_ptr<Painter::Wanted> PaintThread::next_waiting() {
-  for (std::size_t k = 1; k <= painters_.size(); ++k) {
-    const std::size_t i = (turn_ + k) % painters_.size();
-    if (!painters_[i]->is_waiting()) continue;
+std::shared_ptr<RenderClient::Wanted> RenderThread::next_waiting() {
+  for (std::size_t k = 1; k <= clients_.size(); ++k) {
+    const std::size_t i = (turn_ + k) % clients_.size();
+    if (!clients_[i]->is_waiting()) continue;
     turn_ = i;
-    return painters_[i];
+    return clients_[i];
   }
   return nullptr;
 }
 
-void PaintThread::draw() {
+void RenderThread::draw() {
   while (!stop_) {
     std::optional<SceneJob> scene;
     std::optional<PictureJob> picture;
@@ -313,11 +313,11 @@ void PaintThread::draw() {
     {
       std::unique_lock lock(mutex);
       const auto has_gone = [&] {
-        return std::any_of(painters_.begin(), painters_.end(),
+        return std::any_of(clients_.begin(), clients_.end(),
                            [](const auto& each) { return each->gone.load(); });
       };
       const auto is_wanted = [&] {
-        return stop_ || has_gone() || std::any_of(painters_.begin(), painters_.end(), [](const auto& each) {
+        return stop_ || has_gone() || std::any_of(clients_.begin(), clients_.end(), [](const auto& each) {
                  return each->is_waiting();
                });
       };
@@ -333,7 +333,7 @@ void PaintThread::draw() {
       one = next_waiting();
       if (!one) continue;
       // Pictures for keeps are of the points that they were asked for with.
-      if (one->scene && (one->kept.empty() || !one->stand)) {
+      if (one->scene && (one->kept.empty() || !one->shared)) {
         scene = std::exchange(one->scene, std::nullopt);
         one->cancel_scene = false;
         kind = Watch::Kind::scene;
@@ -355,10 +355,10 @@ void PaintThread::draw() {
     Watch watch(*this, one.get(), kind);
     try {
       if (forget_programs.exchange(false))
-        for (const auto& each : painters())
-          if (each->stand) {
-            each->stand->looks.clear();
-            for (Stand::Colored& in : each->stand->sessions) in.session->forget_programs();
+        for (const auto& each : clients())
+          if (each->shared) {
+            each->shared->looks.clear();
+            for (SharedSession::Colored& in : each->shared->sessions) in.session->forget_programs();
           }
       if (scene) {
         do_scene(*one, std::move(*scene), watch);
@@ -370,11 +370,11 @@ void PaintThread::draw() {
         answer(*one, do_pick(*one, *pick));
       }
     } catch (const Cancelled&) {
-      answer(*one, CalledOff{id});
+      answer(*one, JobCancelled{id});
     } catch (...) {
       answer(*one, failure_of(id));
     }
-    if (one->stand) one->point_bytes = one->stand->session().point_bytes();
+    if (one->shared) one->point_bytes = one->shared->session().point_bytes();
     if (is_lost()) break;
     const std::vector<std::string> complaints = context_->take_messages();
     const std::lock_guard lock(mutex);
@@ -383,7 +383,7 @@ void PaintThread::draw() {
   }
 }
 
-void PaintThread::run() {
+void RenderThread::run() {
   try {
     const std::lock_guard lock(gate_->mutex);
     context_ = gl::Context::create_headless();
@@ -405,7 +405,7 @@ void PaintThread::run() {
   draw();
   // What is on the GPU goes before its context does.
   shared_.clear();
-  for (const auto& one : painters()) one->stand.reset();
+  for (const auto& one : clients()) one->shared.reset();
   context_.reset();
 }
 

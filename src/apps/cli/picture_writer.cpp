@@ -1,4 +1,4 @@
-#include "studio.h"
+#include "picture_writer.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "io/npy.h"
 #include "labels/furniture.h"
 #include "session/notes.h"
-#include "../picture/shot.h"
+#include "../picture/saved_picture.h"
 
 namespace sfumato::cli {
 
@@ -29,8 +29,8 @@ void Stopwatch::lap(const char* stage) {
   report_.stages_ms.emplace_back(stage, ms);
 }
 
-Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& report, std::string command,
-               Console& console)
+PictureWriter::PictureWriter(const RenderOptions& options, Choice& choice, RenderReport& report,
+                             std::string command, Console& console)
     : options_(options),
       choice_(choice),
       report_(report),
@@ -50,12 +50,12 @@ Studio::Studio(const RenderOptions& options, Choice& choice, RenderReport& repor
 }
 
 // What techniques hold on the GPU goes before its context does.
-Studio::~Studio() {
+PictureWriter::~PictureWriter() {
   for (const auto* each : {&choice_.techniques, &choice_.passed_over})
     for (const auto& chosen : *each) chosen->technique.reset();
 }
 
-std::string Studio::set_scene(scene::Scene scene, Pose pose) {
+std::string PictureWriter::set_scene(scene::Scene scene, Pose pose) {
   crs_ = scene.cloud.crs;
   const bool holds_still =
       options_.sequence && std::all_of(choice_.techniques.begin(), choice_.techniques.end(),
@@ -64,8 +64,8 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
   SessionOptions wanted{choice_.prepare, options_.color, {}, options_.draw};
   wanted.background = options_.background;
   session_.set_scene(std::move(scene), std::move(pose), wanted, console_);
-  const bool settled = choice_.automatic();
-  if (settled) choice_.settle(session_.suggest());
+  const bool was_automatic = choice_.automatic();
+  if (was_automatic) choice_.resolve(session_.suggest());
   Attributes needs;
   for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
   session_.measure(needs, console_);
@@ -80,21 +80,21 @@ std::string Studio::set_scene(scene::Scene scene, Pose pose) {
   report_.exposure = coloring.exposure;
   for (const std::string& note : coloring.notes) console_.note(note);
   if (options_.furniture.legend) console_.note(note_on_legend(coloring, FrontEnd::command));
-  if (settled && session_.parts().front().rules.empty())
+  if (was_automatic && session_.parts().front().rules.empty())
     for (const auto& chosen : choice_.techniques)
       if (!chosen->reason.empty())
         return worded(note_on_technique(chosen->name, chosen->reason), FrontEnd::command);
   return {};
 }
 
-void Studio::draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row) const {
+void PictureWriter::draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row) const {
   labels::draw_furniture(rows, first_row, options_.furniture,
                          {camera, session_.pose().upright.up, crs_, session_.coloring(),
                           session_.background(), options_.panorama, session_.pose().vertical_exaggeration});
 }
 
 /// Where the picture lies on the map, when somebody asks for that. A TIFF of any other view is a picture.
-std::optional<io::Georeference> Studio::place_of(const Camera& camera) const {
+std::optional<io::Georeference> PictureWriter::place_of(const Camera& camera) const {
   const UpAxis up = session_.pose().upright.up;
   if (options_.world_file) return io::georeference(camera, up, crs_, "--world-file");
   const std::string extension = extension_of(options_.output);
@@ -103,12 +103,12 @@ std::optional<io::Georeference> Studio::place_of(const Camera& camera) const {
   return io::georeference(camera, up, crs_, "-o");
 }
 
-RenderOutput Studio::render(ChosenTechnique& chosen, const Camera& camera) {
+RenderOutput PictureWriter::render(ChosenTechnique& chosen, const Camera& camera) {
   if (options_.panorama) return session_.render_panorama(chosen, camera, wants_, console_);
   return session_.render(chosen, camera, wants_, console_);
 }
 
-void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
+void PictureWriter::write_picture(const Camera& camera, int n, Stopwatch& watch) {
   if (std::max(camera.width, camera.height) > Renderer::largest_side)
     throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture ({} px a side): "
                                               "lower --resolution",
@@ -118,7 +118,7 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
     world_ = {io::world_file_name(file_name(options_.output, options_.parts(n))), *place};
   const bool is_one = choice_.techniques.size() == 1 && options_.output_panels.empty() &&
                       !options_.panorama && !is_video(options_.output) && !options_.publication;
-  if (is_one && session_.is_tiled(camera)) return shoot_rows(camera, n, watch);
+  if (is_one && session_.is_tiled(camera)) return write_rows(camera, n, watch);
   std::vector<labels::Panel> panels;
   RenderOutput out;
   bool blank = true;
@@ -153,7 +153,7 @@ void Studio::shoot(const Camera& camera, int n, Stopwatch& watch) {
 }
 
 /// The files of one picture, written as its rows come. Formats that need all of it get it at the end.
-struct Studio::Rows {
+struct PictureWriter::Rows {
   std::optional<io::PngRows> png;
   std::optional<io::TiffRows> tiff;
   std::optional<io::ExrRows> exr, depth_exr;
@@ -165,7 +165,7 @@ struct Studio::Rows {
   bool is_blank = true;
 };
 
-void Studio::open(Rows& rows, const Camera& camera, int n) {
+void PictureWriter::open(Rows& rows, const Camera& camera, int n) {
   const int width = camera.width, height = camera.height;
   if (!options_.output.empty()) {
     const std::string name = name_of(options_.output, n), extension = extension_of(name);
@@ -196,7 +196,7 @@ void Studio::open(Rows& rows, const Camera& camera, int n) {
     rows.normal_npy.emplace(name_of(options_.output_normal, n), width, height, 3);
 }
 
-void Studio::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& camera) {
+void PictureWriter::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& camera) {
   const std::size_t place = std::size_t(first_row) * std::size_t(camera.width);
   if (rows.is_blank && !strip.rgba8.empty()) {
     if (!rows.corner) rows.corner = strip.rgba8.at(0, 0);
@@ -215,7 +215,7 @@ void Studio::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& c
   if (rows.normal_npy) rows.normal_npy->write(strip.normal);
 }
 
-void Studio::close(Rows& rows, const Camera& camera) {
+void PictureWriter::close(Rows& rows, const Camera& camera) {
   if (rows.png) rows.png->finish();
   if (rows.tiff) rows.tiff->finish();
   for (auto* exr : {&rows.exr, &rows.depth_exr})
@@ -227,7 +227,7 @@ void Studio::close(Rows& rows, const Camera& camera) {
 }
 
 /// A picture in tiles: rows of them are written as soon as they are drawn, and forgotten.
-void Studio::shoot_rows(const Camera& camera, int n, Stopwatch& watch) {
+void PictureWriter::write_rows(const Camera& camera, int n, Stopwatch& watch) {
   Rows rows;
   open(rows, camera, n);
   ChosenTechnique& chosen = *choice_.techniques.front();
@@ -251,7 +251,7 @@ void Studio::shoot_rows(const Camera& camera, int n, Stopwatch& watch) {
   watch.lap("write");
 }
 
-void Studio::write_world_file() {
+void PictureWriter::write_world_file() {
   if (!world_) return;
   io::write_world_file(world_->first, world_->second);
   report_.outputs.push_back(world_->first.string());
@@ -259,19 +259,19 @@ void Studio::write_world_file() {
 }
 
 /// Nothing but background: points may lie in the view and yet be too small or too far to be seen.
-bool Studio::is_blank(const Image<Rgba8>& image, const Rgba8& corner) const {
+bool PictureWriter::is_blank(const Image<Rgba8>& image, const Rgba8& corner) const {
   if (options_.no_background)
     return std::all_of(image.begin(), image.end(), [](const Rgba8& c) { return c.a == 0; });
   return std::all_of(image.begin(), image.end(), [&](const Rgba8& c) { return c == corner; });
 }
 
-std::string Studio::name_of(const std::string& pattern, int n, const std::string& technique) {
+std::string PictureWriter::name_of(const std::string& pattern, int n, const std::string& technique) {
   const std::string name = file_name(pattern, options_.parts(n, technique));
   report_.outputs.push_back(name);
   return name;
 }
 
-void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
+void PictureWriter::write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
   const std::string extension = extension_of(name);
   if (extension == ".jpg" || extension == ".jpeg") {
     return io::write_jpeg(name, image, options_.quality.value_or(90), options_.dpi());
@@ -287,11 +287,11 @@ void Studio::write_picture(const std::string& name, const Image<Rgba8>& image, c
   io::write_png(name, image, options_.no_background, texts_of(camera), options_.dpi());
 }
 
-io::PngTexts Studio::texts_of(const Camera& camera) const {
+io::PngTexts PictureWriter::texts_of(const Camera& camera) const {
   return sfumato::texts_of(command_, camera, note_on_cutaway(session_.pose(), {&camera, 1}));
 }
 
-void Studio::write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n) {
+void PictureWriter::write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n) {
   for (const labels::Panel& panel : panels) {
     const std::string name = name_of(options_.output_panels, n, panel.label);
     Image<Rgba8> image = panel.image;
@@ -300,7 +300,7 @@ void Studio::write_panels(const std::vector<labels::Panel>& panels, const Camera
   }
 }
 
-void Studio::write_depth(const std::string& name, const Image<float>& depth) {
+void PictureWriter::write_depth(const std::string& name, const Image<float>& depth) {
   const std::string extension = extension_of(name);
   if (extension == ".exr")
     io::write_exr(name, {}, depth, {}, command_);
@@ -310,7 +310,7 @@ void Studio::write_depth(const std::string& name, const Image<float>& depth) {
     io::write_npy(name, depth);
 }
 
-void Studio::write_depth_png(const std::string& name, const Image<float>& depth) {
+void PictureWriter::write_depth_png(const std::string& name, const Image<float>& depth) {
   const io::PngTexts texts{{"Software", std::string("sfumato ") + version()}, {"Command", command_}};
   const LengthUnit& step = options_.depth_unit;
   if (step.metres == 0) return io::write_depth_png(name, depth, texts);
@@ -327,11 +327,11 @@ void Studio::write_depth_png(const std::string& name, const Image<float>& depth)
                     name, are(beyond, "pixel"), step.symbol));
 }
 
-void Studio::finish() {
+void PictureWriter::finish() {
   if (video_) video_->finish();
 }
 
-void Studio::write(const RenderOutput& out, const Camera& camera, int n) {
+void PictureWriter::write(const RenderOutput& out, const Camera& camera, int n) {
   if (options_.publication) return options_.publication->add(out.rgba8, out.depth, camera);
   if (is_video(options_.output)) {
     if (!video_) {

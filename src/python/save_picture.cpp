@@ -9,26 +9,28 @@
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "labels/furniture.h"
-#include "stage.h"
+#include "cloud_renderer.h"
 
 namespace sfumato::python {
 namespace {
 
 /// A plan of a scene whose up is +Z has its place on the map.
-void save_tiff(const Shot& shot, const std::string& file, const std::string& made_by, double dpi) {
+void save_tiff(const RenderedPicture& picture, const std::string& file, const std::string& made_by,
+               double dpi) {
   std::optional<io::Georeference> place;
-  if (shot.up == UpAxis::pos_z && labels::is_plan(shot.camera, shot.up))
-    place = io::georeference(shot.camera, shot.up, shot.crs, file);
-  const Image<Rgba8>& image = shot.images.rgba8;
-  io::TiffRows rows(file, image.width(), image.height(), shot.transparent, dpi, place, made_by);
+  if (picture.up == UpAxis::pos_z && labels::is_plan(picture.camera, picture.up))
+    place = io::georeference(picture.camera, picture.up, picture.crs, file);
+  const Image<Rgba8>& image = picture.images.rgba8;
+  io::TiffRows rows(file, image.width(), image.height(), picture.transparent, dpi, place, made_by);
   rows.write(image);
   rows.finish();
 }
 
 }  // namespace
 
-void save(const Shot& shot, const std::string& file, const std::string& extension, int quality, double dpi) {
-  const RenderOutput& images = shot.images;
+void save(const RenderedPicture& picture, const std::string& file, const std::string& extension, int quality,
+          double dpi) {
+  const RenderOutput& images = picture.images;
   const bool is_linear = extension == ".exr" || extension == ".npy";
   if ((is_linear ? images.color_linear.empty() : images.rgba8.empty()))
     throw Error(ErrorCode::usage, file + ": the picture has no " + (is_linear ? "linear" : "rgba") +
@@ -36,16 +38,17 @@ void save(const Shot& shot, const std::string& file, const std::string& extensio
   const std::string made_by = std::string("sfumato ") + version();
   const pybind11::gil_scoped_release release;
   if (extension == ".png")
-    io::write_png(
-        file, images.rgba8, shot.transparent,
-        {{"Software", made_by}, {"Technique", shot.technique}, {"Camera", io::camera_to_json(shot.camera)}},
-        dpi);
+    io::write_png(file, images.rgba8, picture.transparent,
+                  {{"Software", made_by},
+                   {"Technique", picture.technique},
+                   {"Camera", io::camera_to_json(picture.camera)}},
+                  dpi);
   else if (extension == ".tif" || extension == ".tiff")
-    save_tiff(shot, file, made_by, dpi);
+    save_tiff(picture, file, made_by, dpi);
   else if (extension == ".jpg" || extension == ".jpeg")
     io::write_jpeg(file, images.rgba8, quality, dpi);
   else if (extension == ".webp")
-    io::write_webp(file, images.rgba8, shot.transparent, quality);
+    io::write_webp(file, images.rgba8, picture.transparent, quality);
   else if (extension == ".exr")
     io::write_exr(file, images.color_linear, images.depth, images.normal, made_by);
   else if (extension == ".npy")

@@ -1,6 +1,7 @@
-// A thread that paints: a GL context without a window, sessions on it, and finished pictures out of it.
-// Whoever asks never waits; a newer request cancels an older one. Several painters may share one thread, and
-// those of them that look at the same points share these: each has a camera, a look and colours of its own.
+// Asks a thread for pictures: it has a GL context without a window, sessions on it, and finished pictures out
+// of it. Whoever asks never waits; a newer request cancels an older one. Several render clients may share one
+// thread, and those of them that look at the same points share these: each has a camera, a look and colours
+// of its own.
 #pragma once
 
 #include <condition_variable>
@@ -15,25 +16,25 @@
 #include "session/session.h"
 #include "view/picking.h"
 #include "view/profile.h"
-#include "view/wishes.h"
+#include "view/view_request.h"
 
 namespace sfumato::view {
 
 /// Makes of a suggestion the technique that is drawn.
-using Settle = std::function<TechniqueChoice(const TechniqueChoice&)>;
+using ResolveAuto = std::function<TechniqueChoice(const TechniqueChoice&)>;
 
 struct SceneJob {
   std::uint64_t id = 0;
-  /// Painters of one thread that show the same key have the same points, those of the first that came;
+  /// Render clients of one thread that show the same key have the same points, those of the first that came;
   /// nothing: points of its own.
   std::optional<SceneKey> shared_key;
   scene::Scene scene;
   Pose pose;
   SessionOptions options;
-  std::string technique;  ///< empty: `settle` chooses it
+  std::string technique;  ///< empty: `resolve` chooses it
   std::function<NamesAndValues(const std::string&)> parameters_of;
   bool measures = true;  ///< what the technique needs; else its first picture does
-  Settle settle;         ///< may be empty: then nothing is chosen, and nothing analysed for it
+  ResolveAuto resolve;   ///< may be empty: then nothing is chosen, and nothing analysed for it
 };
 
 struct PictureJob {
@@ -89,7 +90,7 @@ struct PickAnswer {
   std::optional<Picked> picked;
 };
 
-struct CalledOff {
+struct JobCancelled {
   std::uint64_t id = 0;
 };
 
@@ -99,7 +100,7 @@ struct Failure {
   std::string message;
 };
 
-using Answer = std::variant<Picture, SceneReady, PickAnswer, Profile, CalledOff, Failure>;
+using Answer = std::variant<Picture, SceneReady, PickAnswer, Profile, JobCancelled, Failure>;
 
 /// What is going on, for a progress bar.
 struct Activity {
@@ -107,42 +108,43 @@ struct Activity {
   std::string text;  ///< empty: nothing
 };
 
-/// The context, the sessions and the thread itself. It ends with the last painter that uses it.
-class PaintThread;
+/// The context, the sessions and the thread itself. It ends with the last render client that uses it.
+class RenderThread;
 
-class Painter {
+class RenderClient {
  public:
-  /// `wake` is called from the thread of the painter whenever there is an answer. `others` painters wait for
-  /// each other until all have their contexts: creating one is no work for two threads.
+  /// `wake` is called from the thread of the render client whenever there is an answer. `others` render
+  /// clients wait for each other until all have their contexts: creating one is no work for two threads.
   struct Gate {
-    explicit Gate(int painters) : missing(painters) {}
+    explicit Gate(int clients) : missing(clients) {}
     std::mutex mutex;
     std::condition_variable all_there;
     int missing;
   };
-  static std::shared_ptr<PaintThread> make_thread(std::shared_ptr<Gate> gate);
-  Painter(std::shared_ptr<PaintThread> thread, std::function<void()> wake);
-  Painter(std::shared_ptr<Gate> gate, std::function<void()> wake)
-      : Painter(make_thread(std::move(gate)), std::move(wake)) {}
+  static std::shared_ptr<RenderThread> make_thread(std::shared_ptr<Gate> gate);
+  RenderClient(std::shared_ptr<RenderThread> thread, std::function<void()> wake);
+  RenderClient(std::shared_ptr<Gate> gate, std::function<void()> wake)
+      : RenderClient(make_thread(std::move(gate)), std::move(wake)) {}
   /// Cancels what is going on for it, and waits for that where nobody else uses the thread.
-  ~Painter();
-  Painter(const Painter&) = delete;
-  Painter& operator=(const Painter&) = delete;
+  ~RenderClient();
+  RenderClient(const RenderClient&) = delete;
+  RenderClient& operator=(const RenderClient&) = delete;
 
-  /// The points of that key stay until this painter shows or holds something else; false: they are not here.
+  /// The points of that key stay until this render client shows or holds something else; false: they are not
+  /// here.
   bool hold(const SceneKey& shared_key);
   /// Replaces the scene; pictures asked for before are cancelled, but for those to be kept, which it waits
   /// for.
   void show(SceneJob job);
   /// The newest wins; the one under way is cancelled.
-  void paint(PictureJob job);
-  /// For files: nothing calls it off but the end of the painter.
-  void paint_for_keeps(PictureJob job);
+  void render(PictureJob job);
+  /// For files: nothing cancels it but the end of the render client.
+  void render_to_keep(PictureJob job);
   void pick(PickJob job);
   /// The newest wins.
   void profile(ProfileJob job);
   /// Cancels the live picture, if one is under way or waiting.
-  void call_off();
+  void cancel();
 
   /// Files of shaders changed: the next picture is drawn by what is in them now.
   void forget_programs();
@@ -156,10 +158,10 @@ class Painter {
   /// Of the context; empty while there is none.
   std::string renderer_name() const;
 
-  struct Wanted;  ///< what one painter asks for and gets
+  struct Wanted;  ///< what one render client asks for and gets
 
  private:
-  std::shared_ptr<PaintThread> thread_;
+  std::shared_ptr<RenderThread> thread_;
   std::shared_ptr<Wanted> mine_;
 };
 

@@ -11,7 +11,7 @@ namespace sfumato {
 
 /// Angles in degrees, places and directions in world coordinates. What is given wins over what `start` or the
 /// first view has.
-struct ViewWishes {
+struct CameraRequest {
   std::optional<Camera> start;  ///< instead of the view that shows the scan
   std::optional<double> azimuth, elevation;
   std::optional<double>
@@ -29,15 +29,15 @@ struct ViewWishes {
   std::string side;  ///< a named view, whose picture stands upright; azimuth and elevation are its own
   std::optional<std::pair<int, int>> size;    ///< px
   std::pair<int, int> first_size{1280, 720};  ///< of the view that shows the scan, where no size is given
-  bool operator==(const ViewWishes&) const = default;
+  bool operator==(const CameraRequest&) const = default;
 };
 
 /// A pixel of such a size without a picture's size shows all of the subject's box, and the borders of the
 /// picture lie at multiples of it. Throws Error(usage) where the camera would stand in the place that it
 /// looks at. A `start` with intrinsics of its own takes no size, fov or parallel projection: who asks refuses
 /// them first, by the names that they have there.
-Camera view_of(const Pose& pose, const ViewWishes& wishes);
-/// What stands upright in it: the first picture's vertical, but the axis where the side is wished for.
-dvec3 vertical_of(const Pose& pose, const ViewWishes& wishes);
+Camera view_of(const Pose& pose, const CameraRequest& request);
+/// What stands upright in it: the first picture's vertical, but the axis where the side is asked for.
+dvec3 vertical_of(const Pose& pose, const CameraRequest& request);
 
 }  // namespace sfumato

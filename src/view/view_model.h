@@ -1,7 +1,7 @@
-// Everything between the hand and the picture: wishes, camera, history, the reading of files, and two
-// painters, one of the whole cloud and one of a sample that moves. A front end calls `tick` whenever it draws
-// itself and shows what is here, in `scene`, `picks`, `shots`, `path` and `sequence`; it never waits. All of
-// it is used on one thread.
+// Everything between the hand and the picture: the request, camera, history, the reading of files, and two
+// render clients, one of the whole cloud and one of a sample that moves. A front end calls `tick` whenever it
+// draws itself and shows what is here, in `scene`, `picks`, `saved_pictures`, `path` and `sequence`; it never
+// waits. All of it is used on one thread.
 #pragma once
 
 #include <functional>
@@ -14,20 +14,20 @@
 #include "view/history.h"
 #include "view/key_frames.h"
 #include "view/navigator.h"
-#include "view/painter.h"
+#include "view/render_client.h"
 #include "view/picks.h"
 #include "view/refinement.h"
 #include "view/scene_state.h"
 #include "view/sequence.h"
 #include "view/shared_scenes.h"
-#include "view/shots.h"
-#include "view/wishes.h"
+#include "view/saved_pictures.h"
+#include "view/view_request.h"
 
 namespace sfumato::view {
 
 struct Start {
-  Wishes wishes;
-  Settle settle;
+  ViewRequest request;
+  ResolveAuto resolve;
   /// The camera of the first picture, as the command finds it; nothing: Session's first view.
   std::function<Camera(const Pose&, int width, int height)> first_camera;
   std::uint64_t memory = scene::default_memory;
@@ -36,9 +36,9 @@ struct Start {
   std::string
       shader_folder;  ///< of a checkout whose shaders are compiled again when they change; empty: none
   std::vector<scene::SceneFile>
-      frames;  ///< of a sequence: files that are shown one at a time; the first is among the wishes
+      frames;  ///< of a sequence: files that are shown one at a time; the first is in the request
   std::function<void()> wake;            ///< from any thread: there is something to `tick` for
-  std::shared_ptr<SharedScenes> shared;  ///< with other workbenches of this thread; null: alone
+  std::shared_ptr<SharedScenes> shared;  ///< with other view models of this thread; null: alone
 };
 
 /// Bytes.
@@ -53,19 +53,19 @@ struct Message {
   bool is_error = false;
 };
 
-class Workbench {
+class ViewModel {
  public:
-  explicit Workbench(Start start);
+  explicit ViewModel(Start start);
 
   /// Takes what has come and asks for what is missing. Cheap.
   void tick(double now_ms);
   /// When `tick` is due even if nothing happens; nothing: not before something does.
   std::optional<double> wait_ms(double now_ms) const;
 
-  const Wishes& wishes() const { return wishes_; }
-  /// Every change of the wishes goes through here: `what` names its kind for undo. Shows a message instead
+  const ViewRequest& request() const { return request_; }
+  /// Every change of the request goes through here: `what` names its kind for undo. Shows a message instead
   /// where `edit` throws.
-  void change(const std::string& what, const std::function<void(Wishes&)>& edit);
+  void change(const std::string& what, const std::function<void(ViewRequest&)>& edit);
   /// The same for the camera.
   void move(const std::string& what, const std::function<void(Navigator&)>& edit);
   void undo();
@@ -76,7 +76,7 @@ class Workbench {
   void set_size(int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
-  Camera camera() const { return wishes_.camera.to_camera(width_, height_); }
+  Camera camera() const { return request_.camera.to_camera(width_, height_); }
   const Navigator& navigator() const { return navigator_; }
 
   /// The point of the scene under the cursor; where there is none, the place there at the depth of the
@@ -109,14 +109,14 @@ class Workbench {
   bool watch = false;    ///< read files again when they change
   bool timings = false;  ///< whole pictures come with the time of every pass
   std::string renderer_name() const { return whole_->renderer_name(); }
-  /// What the drivers of both painters complained of since the last call.
+  /// What the drivers of both render clients complained of since the last call.
   std::vector<std::string> take_driver_messages();
   Memory memory() const;
 
-  Shots shots;
-  /// A picture of the present view for keeps; it comes to `shots`, once everything is loaded. Of files with
-  /// levels, what it shows is read before.
-  void shoot(int width, int height) { shoot(wishes_, width, height); }
+  SavedPictures saved_pictures;
+  /// A picture of the present view for keeps; it comes to `saved_pictures`, once everything is loaded. Of
+  /// files with levels, what it shows is read before.
+  void save_picture(int width, int height) { save_picture(request_, width, height); }
 
   std::vector<Message> take_messages() { return std::exchange(messages_, {}); }
   void say(const std::string& text, bool is_error = false);
@@ -135,43 +135,43 @@ class Workbench {
 
  private:
   using SeenView = SceneState::SeenView;
-  using Stage = SceneState::Stage;
+  using LoadState = SceneState::LoadState;
 
   std::optional<dvec3> point_at(const Camera& seen, double x_px, double y_px) const;
   void take_loaded(Loaded loaded);
   void take_answer(Answer answer, bool of_whole);
   void load(bool anew);
-  static SeenView view_of(const Wishes& wishes, int width, int height);
+  static SeenView view_of(const ViewRequest& request, int width, int height);
   /// Of the window, or of a picture to be kept that waits for its points.
   SeenView wanted_view() const;
-  const Wishes& wishes_of_view() const;
+  const ViewRequest& request_of_view() const;
   bool is_coarser_than_wanted() const;
   void follow_view();
-  bool is_loading_wishes() const;
+  bool is_loading_request() const;
   std::optional<double> load_due_ms() const;
-  void shoot_what_is_loaded();
+  void save_what_is_loaded();
   /// Of what was found only when the files were read: `edit` is called of every state that somebody may see.
-  void amend(const std::function<void(Wishes&)>& edit);
-  void shoot(const Wishes& wishes, int width, int height);
-  void paint_shot(const Wishes& wishes, int width, int height);
-  LoadJob load_job(const Wishes& wishes) const;
+  void amend(const std::function<void(ViewRequest&)>& edit);
+  void save_picture(const ViewRequest& request, int width, int height);
+  void render_saved(const ViewRequest& request, int width, int height);
+  LoadJob load_job(const ViewRequest& request) const;
   void send_scene(Loaded& loaded, bool is_another_view);
-  PictureJob job_for(const Wishes& wishes, const Quality& quality, int width, int height) const;
+  PictureJob job_for(const ViewRequest& request, const Quality& quality, int width, int height) const;
   void ask();
   void watch_files();
   void watch_shaders();
 
   Start start_;
-  Wishes wishes_;
+  ViewRequest request_;
   Navigator navigator_;
-  History<Wishes> history_;
+  History<ViewRequest> history_;
   Refinement refinement_;
   int width_ = 0, height_ = 0;
   double now_ms_ = 0, began_ms_ = -1, motion_ms_ = 0, last_motion_ms_ = -1, first_picture_ms_ = 0,
          watched_ms_ = 0, shaders_watched_ms_ = 0;
   std::uint64_t next_id_ = 1, in_flight_ = 0;
   Quality in_flight_quality_, shown_quality_;
-  Wishes look_;
+  ViewRequest look_;
   std::shared_ptr<const Picture> shown_;
   Activity activity_;
   bool stand_in_is_due_ = false;  ///< for a view that the technique has yet to measure
@@ -181,8 +181,8 @@ class Workbench {
   std::optional<double> play_began_ms_;
   std::vector<std::pair<std::string, std::int64_t>> file_times_, shader_times_;
 
-  std::shared_ptr<Painter::Gate> gate_ = std::make_shared<Painter::Gate>(2);
-  std::unique_ptr<Painter> sample_, whole_;
+  std::shared_ptr<RenderClient::Gate> gate_ = std::make_shared<RenderClient::Gate>(2);
+  std::unique_ptr<RenderClient> sample_, whole_;
   std::unique_ptr<Loader> loader_;
 };
 

@@ -7,51 +7,52 @@
 #include "io/image_png.h"
 #include "labels/contact_sheet.h"
 #include "session/request.h"
-#include "stage.h"
+#include "cloud_renderer.h"
 
 namespace sfumato::python {
 namespace {
 
 /// Frees what it holds on the thread that it lives on.
-struct StageHandle {
-  std::shared_ptr<Stage> stage;
-  explicit StageHandle(std::shared_ptr<Stage> s) : stage(std::move(s)) {}
-  StageHandle(const StageHandle&) = delete;
-  StageHandle& operator=(const StageHandle&) = delete;
-  ~StageHandle() { close(); }
+struct RendererHandle {
+  std::shared_ptr<CloudRenderer> renderer;
+  explicit RendererHandle(std::shared_ptr<CloudRenderer> s) : renderer(std::move(s)) {}
+  RendererHandle(const RendererHandle&) = delete;
+  RendererHandle& operator=(const RendererHandle&) = delete;
+  ~RendererHandle() { close(); }
   void close() {
-    if (stage) free_gl(std::move(stage));
-    stage.reset();
+    if (renderer) free_gl(std::move(renderer));
+    renderer.reset();
   }
-  Stage& get() const {
-    if (!stage) throw Error(ErrorCode::usage, "the renderer is closed");
-    return *stage;
+  CloudRenderer& get() const {
+    if (!renderer) throw Error(ErrorCode::usage, "the renderer is closed");
+    return *renderer;
   }
 };
 
 /// `preset_file` is for messages.
-StageOptions options_of(const Request& request, const Settings& parameters, const Settings& preset_parameters,
-                        const std::string& preset_file) {
-  StageOptions options{request, parameters, {}};
+CloudRendererOptions options_of(const Request& request, const Settings& parameters,
+                                const Settings& preset_parameters, const std::string& preset_file) {
+  CloudRendererOptions options{request, parameters, {}};
   options.preset.parameters = preset_parameters, options.preset.file = preset_file;
   return options;
 }
 
 /// The cloud is what `opening` gave, and is handed over.
-std::unique_ptr<StageHandle> open(const std::shared_ptr<Cloud>& cloud, const Opening& opening,
-                                  const Request& request, const Settings& parameters,
-                                  const Settings& preset_parameters, const std::string& preset_file,
-                                  const py::object& progress) {
-  auto stage = std::make_shared<Stage>(options_of(request, parameters, preset_parameters, preset_file));
-  // Before the work: what is raised after it must free the stage where its context is.
-  auto handle = std::make_unique<StageHandle>(stage);
+std::unique_ptr<RendererHandle> open(const std::shared_ptr<Cloud>& cloud, const Opening& opening,
+                                     const Request& request, const Settings& parameters,
+                                     const Settings& preset_parameters, const std::string& preset_file,
+                                     const py::object& progress) {
+  auto renderer =
+      std::make_shared<CloudRenderer>(options_of(request, parameters, preset_parameters, preset_file));
+  // Before the work: what is raised after it must free the renderer where its context is.
+  auto handle = std::make_unique<RendererHandle>(renderer);
   run_gl(
       [&](gl::Context& context, Progress& reporter) {
-        keep_gl(stage);
+        keep_gl(renderer);
         try {
-          stage->open(context, std::move(cloud->scene), opening.pose(), reporter);
+          renderer->open(context, std::move(cloud->scene), opening.pose(), reporter);
         } catch (...) {
-          stage->clear();
+          renderer->clear();
           throw;
         }
       },
@@ -65,13 +66,14 @@ py::dict dict_of(const std::vector<Setting>& settings) {
   return out;
 }
 
-std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera>& camera,
-                             const std::pair<int, int>& size, const std::optional<std::string>& technique,
-                             const Settings& parameters, const std::vector<std::string>& outputs,
-                             const std::optional<Camera>& light_from, bool panorama,
-                             const NamesAndValues& furniture, const py::object& progress) {
-  ShotRequest request{camera,     size.first, size.second, technique, parameters,
-                      light_from, panorama,   {},          {},        false};
+std::shared_ptr<RenderedPicture> render(const RendererHandle& self, const std::optional<Camera>& camera,
+                                        const std::pair<int, int>& size,
+                                        const std::optional<std::string>& technique,
+                                        const Settings& parameters, const std::vector<std::string>& outputs,
+                                        const std::optional<Camera>& light_from, bool panorama,
+                                        const NamesAndValues& furniture, const py::object& progress) {
+  PictureRequest request{camera,     size.first, size.second, technique, parameters,
+                         light_from, panorama,   {},          {},        false};
   Request said;
   for (const auto& [name, value] : furniture)
     if (name == "print-scale")
@@ -100,10 +102,10 @@ std::shared_ptr<Shot> render(const StageHandle& self, const std::optional<Camera
   }
   self.get();
   // Another thread may close the renderer meanwhile.
-  const std::shared_ptr<Stage> stage = self.stage;
-  auto shot = std::make_shared<Shot>();
-  run_gl([&](gl::Context&, Progress& reporter) { stage->render(request, *shot, reporter); }, progress);
-  return shot;
+  const std::shared_ptr<CloudRenderer> renderer = self.renderer;
+  auto picture = std::make_shared<RenderedPicture>();
+  run_gl([&](gl::Context&, Progress& reporter) { renderer->render(request, *picture, reporter); }, progress);
+  return picture;
 }
 
 template <class T>
@@ -113,30 +115,31 @@ py::object image(Image<T>& values, std::vector<py::ssize_t> shape, auto* first, 
 }
 
 /// Pictures of one size side by side, each below its label.
-std::shared_ptr<Shot> sheet_of(const std::vector<std::shared_ptr<Shot>>& shots,
-                               const std::vector<std::string>& labels) {
+std::shared_ptr<RenderedPicture> sheet_of(const std::vector<std::shared_ptr<RenderedPicture>>& pictures,
+                                          const std::vector<std::string>& labels) {
   std::vector<labels::Panel> panels;
-  for (std::size_t i = 0; i < shots.size(); ++i) {
-    const Image<Rgba8>& image = shots[i]->images.rgba8;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Image<Rgba8>& image = pictures[i]->images.rgba8;
     if (image.empty())
       throw Error(ErrorCode::usage, "a picture has no rgba image; name it in outputs when rendering");
-    if (image.width() != shots[0]->images.rgba8.width() || image.height() != shots[0]->images.rgba8.height())
+    if (image.width() != pictures[0]->images.rgba8.width() ||
+        image.height() != pictures[0]->images.rgba8.height())
       throw Error(ErrorCode::usage, "the pictures of a contact sheet have one size");
     panels.push_back({labels[i], image});
   }
-  auto sheet = std::make_shared<Shot>();
-  sheet->images.rgba8 = labels::contact_sheet(panels, shots[0]->background, shots[0]->transparent);
-  sheet->camera = shots[0]->camera;
-  sheet->transparent = shots[0]->transparent;
-  sheet->background = shots[0]->background;
-  sheet->color_by = shots[0]->color_by;
+  auto sheet = std::make_shared<RenderedPicture>();
+  sheet->images.rgba8 = labels::contact_sheet(panels, pictures[0]->background, pictures[0]->transparent);
+  sheet->camera = pictures[0]->camera;
+  sheet->transparent = pictures[0]->transparent;
+  sheet->background = pictures[0]->background;
+  sheet->color_by = pictures[0]->color_by;
   for (const std::string& label : labels) sheet->technique += (sheet->technique.empty() ? "" : ",") + label;
   return sheet;
 }
 
 /// What a legend says; None where colours explain themselves.
-py::object legend_of(const Shot& shot) {
-  const Coloring& coloring = shot.coloring;
+py::object legend_of(const RenderedPicture& picture) {
+  const Coloring& coloring = picture.coloring;
   py::dict out;
   out["title"] = coloring.source;
   if (coloring.kind == ColorKind::scalar) {
@@ -236,62 +239,64 @@ void refuse_name(const std::string& what, const std::string& name, const std::ve
                                                           : ""));
 }
 
-void bind_stage(py::module_& module) {
-  py::class_<StageHandle>(module, "Stage")
+void bind_cloud_renderer(py::module_& module) {
+  py::class_<RendererHandle>(module, "CloudRenderer")
       .def(py::init(&open))
       .def("render", &render)
       .def("set_color",
-           [](const StageHandle& self, const Request& request) {
+           [](const RendererHandle& self, const Request& request) {
              self.get();
-             const std::shared_ptr<Stage> stage = self.stage;
-             run_gl([&](gl::Context&, Progress&) { stage->set_color(request.color); }, py::none());
+             const std::shared_ptr<CloudRenderer> renderer = self.renderer;
+             run_gl([&](gl::Context&, Progress&) { renderer->set_color(request.color); }, py::none());
            })
-      .def("close", &StageHandle::close)
+      .def("close", &RendererHandle::close)
       .def_property_readonly(
-          "technique", [](const StageHandle& self) { return self.get().choice().techniques.front()->name; })
-      .def("__len__", [](const StageHandle& self) { return self.get().points(); });
+          "technique",
+          [](const RendererHandle& self) { return self.get().choice().techniques.front()->name; })
+      .def("__len__", [](const RendererHandle& self) { return self.get().points(); });
 
-  py::class_<Shot, std::shared_ptr<Shot>>(module, "Shot")
+  py::class_<RenderedPicture, std::shared_ptr<RenderedPicture>>(module, "RenderedPicture")
       .def("rgba",
            [](const py::object& self) {
-             auto& i = self.cast<Shot&>().images.rgba8;
+             auto& i = self.cast<RenderedPicture&>().images.rgba8;
              return image(i, {i.height(), i.width(), 4}, &i.data()->r, self);
            })
       .def("linear",
            [](const py::object& self) {
-             auto& i = self.cast<Shot&>().images.color_linear;
+             auto& i = self.cast<RenderedPicture&>().images.color_linear;
              return image(i, {i.height(), i.width(), 4}, &i.data()->x, self);
            })
       .def("depth",
            [](const py::object& self) {
-             auto& i = self.cast<Shot&>().images.depth;
+             auto& i = self.cast<RenderedPicture&>().images.depth;
              return image(i, {i.height(), i.width()}, i.data(), self);
            })
       .def("index",
            [](const py::object& self) {
-             auto& i = self.cast<Shot&>().index;
+             auto& i = self.cast<RenderedPicture&>().index;
              return image(i, {i.height(), i.width()}, i.data(), self);
            })
       .def("normal",
            [](const py::object& self) {
-             auto& i = self.cast<Shot&>().images.normal;
+             auto& i = self.cast<RenderedPicture&>().images.normal;
              return image(i, {i.height(), i.width(), 3}, &i.data()->x, self);
            })
       .def("save", &save)
-      .def_readonly("camera", &Shot::camera)
-      .def_readonly("transparent", &Shot::transparent)
-      .def_readonly("technique", &Shot::technique)
-      .def_readonly("reason", &Shot::reason)
-      .def_property_readonly("parameters", [](const Shot& s) { return dict_of(s.parameters); })
+      .def_readonly("camera", &RenderedPicture::camera)
+      .def_readonly("transparent", &RenderedPicture::transparent)
+      .def_readonly("technique", &RenderedPicture::technique)
+      .def_readonly("reason", &RenderedPicture::reason)
+      .def_property_readonly("parameters", [](const RenderedPicture& s) { return dict_of(s.parameters); })
       .def_property_readonly("analysis_parameters",
-                             [](const Shot& s) { return dict_of(s.analysis_parameters); })
-      .def_readonly("color_by", &Shot::color_by)
+                             [](const RenderedPicture& s) { return dict_of(s.analysis_parameters); })
+      .def_readonly("color_by", &RenderedPicture::color_by)
       .def_property_readonly("legend", &legend_of)
-      .def_readonly("notes", &Shot::notes)
-      .def_property_readonly(
-          "background",
-          [](const Shot& s) { return py::make_tuple(s.background.x, s.background.y, s.background.z); })
-      .def_property_readonly("points_drawn", [](const Shot& s) { return s.images.points_drawn; });
+      .def_readonly("notes", &RenderedPicture::notes)
+      .def_property_readonly("background",
+                             [](const RenderedPicture& s) {
+                               return py::make_tuple(s.background.x, s.background.y, s.background.z);
+                             })
+      .def_property_readonly("points_drawn", [](const RenderedPicture& s) { return s.images.points_drawn; });
 
   module.def("techniques", [] {
     py::list rows;
@@ -318,11 +323,11 @@ void bind_stage(py::module_& module) {
   });
   module.def("contact_sheet", &sheet_of);
   // Asked before anything is read.
-  module.def(
-      "has_shadows", [](const Request& request, const Settings& parameters, const Settings& preset_parameters,
-                        const std::string& preset_file, const Settings& on_top) {
-        return Stage(options_of(request, parameters, preset_parameters, preset_file)).has_shadows(on_top);
-      });
+  module.def("has_shadows", [](const Request& request, const Settings& parameters,
+                               const Settings& preset_parameters, const std::string& preset_file,
+                               const Settings& on_top) {
+    return CloudRenderer(options_of(request, parameters, preset_parameters, preset_file)).has_shadows(on_top);
+  });
   module.def("nearest_word", [](const std::string& word, const std::vector<std::string>& candidates) {
     return nearest_word(word, candidates);
   });

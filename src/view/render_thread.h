@@ -1,4 +1,4 @@
-// The thread behind painters: its context, the points on it and who waits for pictures of them.
+// The thread behind render clients: its context, the points on it and who waits for pictures of them.
 #pragma once
 
 #include <algorithm>
@@ -6,16 +6,16 @@
 #include <deque>
 #include <thread>
 
-#include "view/painter.h"
+#include "view/render_client.h"
 
 namespace sfumato::view {
 
 /// Points that stand in memory, with what is drawn of them. They live on the thread of the context.
-struct Stand {
+struct SharedSession {
   static constexpr std::size_t most_points_of_looks = 5'000'000;
 
-  /// One over the points, and others that share them in other colours where several painters look; the one
-  /// drawn last first.
+  /// One over the points, and others that share them in other colours where several render clients look; the
+  /// one drawn last first.
   struct Colored {
     std::unique_ptr<Session> session;
     std::optional<ColorSettings> color;  ///< nothing: half coloured, where a source was refused
@@ -70,10 +70,10 @@ struct Stand {
     return look;
   }
   // What techniques hold on the GPU goes before the session does.
-  ~Stand() { looks.clear(); }
+  ~SharedSession() { looks.clear(); }
 };
 
-struct Painter::Wanted {
+struct RenderClient::Wanted {
   std::function<void()> wake;
   std::optional<SceneJob> scene;
   std::optional<PictureJob> live;
@@ -84,19 +84,21 @@ struct Painter::Wanted {
   Activity activity;
   std::vector<std::string> driver_messages;
   std::optional<SceneKey> held_key;
-  std::shared_ptr<Stand> stand;  ///< null: nothing to draw
+  std::shared_ptr<SharedSession> shared;  ///< null: nothing to draw
   std::atomic<std::uint64_t> point_bytes{0};
   std::atomic<bool> gone{false}, cancel_live{false}, cancel_scene{false};
 
-  bool is_waiting() const { return scene || (stand && (live || profile || !kept.empty() || !picks.empty())); }
+  bool is_waiting() const {
+    return scene || (shared && (live || profile || !kept.empty() || !picks.empty()));
+  }
 };
 
-class PaintThread {
+class RenderThread {
  public:
-  using Wanted = Painter::Wanted;
-  explicit PaintThread(std::shared_ptr<Painter::Gate> gate)
+  using Wanted = RenderClient::Wanted;
+  explicit RenderThread(std::shared_ptr<RenderClient::Gate> gate)
       : gate_(std::move(gate)), thread_([this] { run(); }) {}
-  ~PaintThread() {
+  ~RenderThread() {
     {
       const std::lock_guard lock(mutex);
       stop_ = true;
@@ -110,7 +112,7 @@ class PaintThread {
     one->wake = std::move(wake);
     const std::lock_guard lock(mutex);
     if (lost_) one->answers.push_back(*lost_);
-    painters_.push_back(one);
+    clients_.push_back(one);
     return one;
   }
   void remove(Wanted& one) {
@@ -121,9 +123,9 @@ class PaintThread {
     work.notify_all();
   }
   /// Null: no points of that key are shared.
-  std::shared_ptr<Stand> find(const std::optional<SceneKey>& key) const {
-    for (const auto& [its_key, stand] : shared_)
-      if (its_key == key) return stand;
+  std::shared_ptr<SharedSession> find(const std::optional<SceneKey>& key) const {
+    for (const auto& [its_key, shared] : shared_)
+      if (its_key == key) return shared;
     return nullptr;
   }
 
@@ -143,17 +145,17 @@ class PaintThread {
   void lose(const Failure& failure);
   bool is_lost();
   Profile do_profile(Wanted& one, const ProfileJob& job);
-  std::vector<std::shared_ptr<Wanted>> painters() const;
-  std::size_t painters_of(const Stand& stand) const;
+  std::vector<std::shared_ptr<Wanted>> clients() const;
+  std::size_t clients_of(const SharedSession& shared) const;
   Picture do_picture(Wanted& one, const PictureJob& job, Watch& watch);
   void drop_unused();
   std::shared_ptr<Wanted> next_waiting();
 
-  std::shared_ptr<Painter::Gate> gate_;
+  std::shared_ptr<RenderClient::Gate> gate_;
   std::unique_ptr<gl::Context> context_;
-  std::vector<std::shared_ptr<Wanted>> painters_;  ///< with the lock
-  std::size_t turn_ = 0;                           ///< whose wish was met last: each gets a picture in turn
-  std::vector<std::pair<SceneKey, std::shared_ptr<Stand>>> shared_;
+  std::vector<std::shared_ptr<Wanted>> clients_;  ///< with the lock
+  std::size_t turn_ = 0;                          ///< whose request was met last: each gets a picture in turn
+  std::vector<std::pair<SceneKey, std::shared_ptr<SharedSession>>> shared_;
   std::optional<Failure> lost_;
   std::atomic<bool> stop_{false};
   std::thread thread_;  // last: it uses all the others
