@@ -184,7 +184,8 @@ struct ReliefLoop {
   /// ridge_at of pixels side by side, as if they faced the camera.
   [[gnu::always_inline]] void find_ridges(int x, int y, float* ridges) const {
     const float* own = &surfaces->depth.at(x, y);
-    float before[2][lanes] = {}, counts_before[2][lanes] = {};  // angles over a pixel of distance
+    float half_turned[2][lanes] = {}, half_angles[2][lanes] = {}, half_counts[2][lanes] = {};
+    int half_px[2] = {};
     std::fill_n(ridges, lanes, 0.0f);
     for (int k = 0; k < Relief::scaling_distances; ++k) {
       const int px = scaling_px[k];
@@ -204,13 +205,18 @@ struct ReliefLoop {
       for (int i = 0; i < lanes; ++i) {
         const float pixels = pixels_at(own[i]), noise = 4 * look.noise * pixels / float(px);
         const float spacings = float(px) / std::max(look.median_spacing * pixels, 1e-6f);
-        const float promised = most_sudden * float(px) * before[k % 2][i],
-                    bounded = std::clamp(angles[i], std::min(promised, 0.0f), std::max(promised, 0.0f));
-        const float bound = counts_before[k % 2][i], angle = angles[i] * (1 - bound) + bounded * bound;
+        const float turned = angles[i], promised = most_sudden * float(px) * half_angles[k % 2][i],
+                    added = most_sudden * float(px) / float(px - half_px[k % 2]) *
+                            (turned - half_turned[k % 2][i]);
+        float bounded = std::clamp(turned, std::min(promised, 0.0f), std::max(promised, 0.0f));
+        bounded = std::clamp(bounded, std::min(added, 0.0f), std::max(added, 0.0f));
+        const float bound = half_counts[k % 2][i], angle = turned * (1 - bound) + bounded * bound;
         const float counts = glm::smoothstep(least_spacings, enough_spacings, spacings);
-        before[k % 2][i] = angle / float(px), counts_before[k % 2][i] = counts;
+        half_turned[k % 2][i] = turned, half_angles[k % 2][i] = angle / float(px),
+                        half_counts[k % 2][i] = counts;
         if (k >= 2) ridges[i] += std::copysign(std::max(std::abs(angle) - noise, 0.0f), angle) * counts;
       }
+      half_px[k % 2] = px;
     }
     for (int i = 0; i < lanes; ++i)
       ridges[i] = own[i] < INFINITY ? ridges[i] / (Relief::scaling_distances - 2) : 0;

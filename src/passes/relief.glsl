@@ -36,7 +36,7 @@ const float within_radii = 0.25;  // eight neighbours tell the way to some 10 de
 const float own_way = 0.1;        // turns straight lines by 2 degrees at most
 const float steepest = 4.0;       // depth over width: of a surface, as in relief_pyramid.glsl
 const float well_opened = 0.35;   // radians
-const float most_sudden = 1.5;    // times what half the distance promises
+const float most_sudden = 1.5;    // times what one half of the distance promises
 const float least_spacings = 1.0, enough_spacings = 2.0;
 
 float depth_at(ivec2 pixel, vec2 away) {
@@ -81,23 +81,28 @@ float opening(ivec2 pixel, float depth, int axis, int px, float reach) {
 }
 
 // How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts little
-// more than in proportion to that of half the distance, where that is no shorter than the points are apart, or there
-// would be a band beside every crease, along which normals turn at once. What an arc rises by, an eighth of its angle and
-// length, counts above the noise of the points, softly (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface
-// turn so much faster in the picture: the angle is that along the surface.
+// more than in proportion to that of half the distance, and to what the other half adds, where the points are no farther
+// apart than that: there would be a band beside every crease, along which normals turn at once, and a line on it, as on
+// every edge of a coarse mesh. What an arc rises by, an eighth of its angle and length, counts above the noise of the
+// points, softly (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the picture: the
+// angle is that along the surface.
 float ridge_at(ivec2 pixel, float depth) {
   vec3 own = surface_at(pixel).xyz;
   if (dot(own, own) < 0.25) return 0.0;
   float px = pixels_at(depth), sum = 0.0;
-  vec2 before[2] = vec2[2](vec2(0.0), vec2(0.0));  // angle over a pixel of distance, and how far that distance counts
+  // Of half the distance: itself, its angle, what of it counts over a pixel of distance, and how far.
+  vec4 halves[2] = vec4[2](vec4(0.0), vec4(0.0));
   for (int k = 0; k < scaling_distances; ++k) {
     float away = floor(scaling_px * float(1 << k / 2) * (k % 2 == 0 ? 1.0 : 1.41421356) + 0.5);
     float reach = steepest * away / px, noise = 4.0 * point_noise * px / away;
-    float angle = 0.5 * (opening(pixel, depth, 0, int(away), reach) + opening(pixel, depth, 1, int(away), reach));
-    float promised = most_sudden * away * before[k % 2].x;
-    angle = mix(angle, clamp(angle, min(promised, 0.0), max(promised, 0.0)), before[k % 2].y);
+    float turned = 0.5 * (opening(pixel, depth, 0, int(away), reach) + opening(pixel, depth, 1, int(away), reach));
+    vec4 near = halves[k % 2];
+    float promised = most_sudden * away * near.z,
+          added = most_sudden * away / (away - near.x) * (turned - near.y),
+          bounded = clamp(turned, min(promised, 0.0), max(promised, 0.0));
+    float angle = mix(turned, clamp(bounded, min(added, 0.0), max(added, 0.0)), near.w);
     float counts = smoothstep(least_spacings, enough_spacings, away / max(median_spacing * px, 1e-6));
-    before[k % 2] = vec2(angle / away, counts);
+    halves[k % 2] = vec4(away, turned, angle / away, counts);
     if (k >= 2) sum += sign(angle) * max(abs(angle) - noise, 0.0) * counts;
   }
   return sum / float(scaling_distances - 2) * abs(dot(own, to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth))));

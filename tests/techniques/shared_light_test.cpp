@@ -190,7 +190,11 @@ TEST_P(SharedLight, RidgesAreLightenedByTheTurnOfNormals) {
       const double depth = out.depth.at(x, y),
                    px = camera.pixels_per_unit() / (camera.orthographic() ? 1 : depth);
       double sum = 0;
-      std::vector<double> angles;
+      std::vector<double> turns, angles;
+      // The one nearer to 0, which is 0 where they differ in sign.
+      const auto less = [](double a, double b) {
+        return a * b > 0 ? std::copysign(std::min(std::abs(a), std::abs(b)), a) : 0;
+      };
       const std::vector<int> distances = {1, 1, 2, 3, 4, 6, 8};
       for (std::size_t k = 0; k < distances.size(); ++k) {
         const int r = distances[k];
@@ -207,10 +211,11 @@ TEST_P(SharedLight, RidgesAreLightenedByTheTurnOfNormals) {
           const dvec3 eye_a(view * glm::dvec4(dvec3(a), 0)), eye_b(view * glm::dvec4(dvec3(b), 0));
           angle += (eye_a[axis] - eye_b[axis]) / 2;
         }
+        turns.push_back(angle);
         if (k >= 2) {
-          const double promised = 1.5 * r / distances[k - 2] * angles[k - 2];
-          angle =
-              angle * promised > 0 ? std::copysign(std::min(std::abs(angle), std::abs(promised)), angle) : 0;
+          const double half = distances[k - 2];
+          angle = less(less(angle, 1.5 * r / half * angles[k - 2]),
+                       1.5 * r / (r - half) * (turns[k] - turns[k - 2]));
           sum += angle;
         }
         angles.push_back(angle);
