@@ -1,6 +1,6 @@
 """Scans of one place at several times as numbered pictures of one view.
 
-    pvbatch time_series.py Sfumato.so pictures/step.png scans/scan_*.laz
+    pvbatch time_series.py Sfumato.so pictures/step.png scans/scan_*.laz    in the order in which they are given
 """
 import os
 import sys
@@ -10,7 +10,7 @@ from paraview.simple import *
 plugin, pictures, *scans = sys.argv[1:]
 LoadPlugin(plugin, remote=False, ns=globals())
 
-series = OpenDataFile(sorted(scans))
+series = OpenDataFile(scans)
 series.UpdatePipeline()
 view = CreateView("RenderView")
 view.ViewSize = [1280, 720]

@@ -1,7 +1,8 @@
 """The plugin in ParaView beside the command: pvbatch cases.py SFUMATO PLUGIN SCRATCH CASE [ARGUMENT...]
 
-Each case ends with "PASSED". On several ranks, the first runs it. The case "server" is for pvpython, which pvbatch's server is not for. Clouds are made here; the command reads them from a file.
+Each case ends with "PASSED". On several ranks, the first runs it. The case "server" needs pvpython: pvbatch is its own server. Clouds are made here; the command reads them from a file.
 """
+import atexit
 import ctypes
 import glob
 import json
@@ -47,18 +48,21 @@ def mine(places, how, rank, ranks):
 exec(CLOUD)
 
 
-def start(ranks, *words, **environment):
-    """Another program, on so many ranks. This one is an MPI process itself: what it was told is not for others."""
-    launch = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-np", str(ranks)] if ranks > 1 else []
-    own = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMIX_"))}
-    return subprocess.Popen([*launch, *words], env=own | environment, stdout=subprocess.PIPE, text=True)
+def launched(ranks, *words):
+    """Another program, on so many ranks."""
+    return [*(["mpirun", "--allow-run-as-root", "--oversubscribe", "-np", str(ranks)] if ranks > 1 else []), *words]
+
+
+# This program is an MPI process itself: what it was told is not for others.
+ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMIX_"))}
 
 
 def connect(ranks):
-    """To a server of its own, on so many ranks."""
-    server = start(ranks, "pvserver", "--server-port=0")
-    port = next(re.search(r"Accepting.*:(\d+)$", line)[1] for line in server.stdout if "Accepting" in line)
-    pv.Connect("localhost", int(port))
+    """To a server of its own, on so many ranks, which ends with the connection, or with this program."""
+    server = subprocess.Popen(launched(ranks, "pvserver", "--server-port=0"), env=ENVIRONMENT, stdout=subprocess.PIPE, text=True)
+    atexit.register(server.terminate)
+    line = next((line for line in server.stdout if "Accepting" in line), "nothing")
+    pv.Connect("localhost", int(re.search(r":(\d+)$", line)[1]))
     pv.LoadPlugin(PLUGIN, remote=True, ns=globals())
 
 
@@ -430,8 +434,10 @@ def server():
 def examples():
     """Those of examples/paraview, as their first lines say; `in_situ`, where it is built, is the last argument."""
     folder = os.path.join(os.path.dirname(__file__), "../../examples/paraview")
+    for name in ["city.png", *(f"series/step.{i:04d}.png" for i in range(3)), *(f"step_{i:03d}.png" for i in range(3))]:
+        if os.path.exists(os.path.join(SCRATCH, name)): os.remove(os.path.join(SCRATCH, name))
     def run(ranks, *words, **environment):
-        assert start(ranks, *words, **environment).wait() == 0, words
+        subprocess.run(launched(ranks, *words), env=ENVIRONMENT | environment, check=True)
     def shows_something(name, size):
         picture = pixels(os.path.join(SCRATCH, name))
         assert picture.shape[:2] == size, picture.shape
