@@ -7,8 +7,6 @@
 #include <thread>
 #include <unistd.h>
 
-#include "analysis/prepare.h"
-#include "passes/resident_cloud.h"
 #include "reference/gl_fixture.h"
 #include "session/session.h"
 
@@ -102,22 +100,31 @@ TEST_F(SharedCloudTest, SideBySideOnTwoThreads) {
 }
 
 TEST_F(SharedCloudTest, NoneSeesACloudThatIsBeingCompleted) {
-  // One of two looked at the cloud before the other had more measured, and more again.
-  const auto shared = std::make_shared<SharedCloud>(analysis::prepare(sphere_cloud(500), {}, {}));
-  std::shared_ptr<const ResidentCloud> own = shared->newest();
-  const std::shared_ptr<const ResidentCloud> older = own;
-  for (const Attributes added : {Attributes(Attribute::radius), Attributes(Attribute::uncertainty)}) {
-    const PreparedCloud* completed = nullptr;
-    shared->complete(
-        own, false, [](const PreparedCloud&) { return true; },
+  Renderer first(context()), second(context());
+  show(first, sphere_cloud(500), {});
+  const auto points = find_technique("points").create();
+  const auto complete = [&](Attribute attribute, const auto& look) {
+    first.complete(
+        0, [](const PreparedCloud&) { return true; },
         [&](PreparedCloud& cloud) {
-          EXPECT_NE(&shared->newest()->prepared(), &cloud);
-          cloud.available = cloud.available | added;
-          completed = &cloud;
+          look(cloud);
+          cloud.available = cloud.available | attribute;
         });
-    EXPECT_EQ(&own->prepared(), completed);
-    EXPECT_FALSE(older->prepared().available.has(Attribute::uncertainty));
+  };
+  const PreparedCloud* const alone = &first.prepared();
+  complete(Attribute::cluster,
+           [&](const PreparedCloud& cloud) { EXPECT_EQ(&cloud, alone) << "a copy for nobody"; });
+  second.share_clouds(first);
+  // The second time the other one still draws the first set of attributes.
+  for (const Attribute attribute : {Attribute::support, Attribute::uncertainty}) {
+    complete(attribute, [&](const PreparedCloud& cloud) {
+      EXPECT_NE(&second.prepared(), &cloud);
+      if (attribute == Attribute::support) return;
+      second.render(*points, camera_at({0, -4, 0.3}, 32, 24), {});
+      EXPECT_NE(&second.prepared(), &cloud);
+    });
   }
+  EXPECT_FALSE(second.prepared().available.has(Attribute::uncertainty));
 }
 
 TEST_F(SharedCloudTest, TheFirstMayGo) {
