@@ -81,8 +81,8 @@ float opening(ivec2 pixel, float depth, int axis, int px, float reach) {
 }
 
 // How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts little
-// more than in proportion to that of half the distance, and to what the other half adds, where the points are no farther
-// apart than that: there would be a band beside every crease, along which normals turn at once, and a line on it, as on
+// more than in proportion to what counts of half the distance, and to what the other half adds, where the points are no
+// farther apart than that: there would be a band beside every crease, along which normals turn at once, and a line on it, as on
 // every edge of a coarse mesh. What an arc rises by, an eighth of its angle and length, counts above the noise of the
 // points, softly (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the picture: the
 // angle is that along the surface.
