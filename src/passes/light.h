@@ -88,12 +88,11 @@ struct RenderSettings {
   /// `palette_limit` of them; empty: colours blend. Set by whoever chose the colours, and no parameter.
   std::vector<vec3> palette;
   static constexpr std::size_t palette_limit = 64;
-  vec3 background{1};        ///< sRGB 0..1
-  bool transparent = false;  ///< --no-background
-  int samples = 1;           ///< places in a pixel whose pictures are averaged
-  Auto<bool>
-      smooth_outlines;  ///< of one sample; automatic: in finished pictures of techniques whose edges are hard
-  bool fast = false;    ///< allow float atomics: not bit-reproducible
+  vec3 background{1};          ///< sRGB 0..1
+  bool transparent = false;    ///< --no-background
+  int samples = 1;             ///< places in a pixel whose pictures are averaged
+  Auto<bool> smooth_outlines;  ///< of one sample; automatic: where the edges of a technique are hard
+  bool fast = false;           ///< allow float atomics: not bit-reproducible
 
   /// All that is set like a technique's own parameters; the background has options of its own.
   void describe(ParamList& params);

@@ -41,7 +41,8 @@ class Opening {
   const Pose& pose() const { return pose_; }
   /// Where the request stands. A panorama without a place stands inside.
   Camera camera() const;
-  /// The same direction from where a scanner stood, else from the middle.
+  /// The same direction from where a scanner stood, else from the middle. Not of an opening that was given
+  /// its pose.
   Camera inside(Camera camera) const;
   /// Each view has points of its own.
   bool has_levels() const { return leveled_.has_value(); }

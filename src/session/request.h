@@ -68,9 +68,9 @@ struct Request {
   double vertical_exaggeration() const { return exaggeration.value_or(1); }
   /// Pixels an inch on paper; 0 where nobody means paper.
   double dpi() const { return view.dpi.value_or(view.print_scale ? 300 : 0); }
-  /// Whether it was said where the camera stands or how large things are, not only from which side.
+  /// Whether a place, a distance or a zoom was given, or a whole camera, and not only a side.
   bool stands_somewhere() const;
-  /// Whether anything but the picture's size was asked for.
+  /// Whether an option was given that may turn or move the camera away from the points.
   bool moves_camera() const;
 };
 

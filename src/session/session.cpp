@@ -83,14 +83,14 @@ std::optional<Coloring> coloring_of_overview(const PointCloud& overview, const C
 Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& cloud,
                     const ColorSettings& settings) {
   if (!of_all) return color_points(cloud, settings);
-  ColorSettings settled = settings;
-  if (settings.color_by == "auto") settled.color_by = of_all->source;
+  ColorSettings resolved = settings;
+  if (settings.color_by == "auto") resolved.color_by = of_all->source;
   if (of_all->kind == ColorKind::scalar)
-    settled.range = {of_all->low, of_all->high}, settled.places = of_all->places;
-  if (of_all->kind == ColorKind::rgb) settled.exposure = of_all->exposure;
-  settled.shade = of_all->shade;
+    resolved.range = {of_all->low, of_all->high}, resolved.places = of_all->places;
+  if (of_all->kind == ColorKind::rgb) resolved.exposure = of_all->exposure;
+  resolved.shade = of_all->shade;
   try {
-    Coloring coloring = color_points(cloud, settled);
+    Coloring coloring = color_points(cloud, resolved);
     coloring.notes = of_all->notes;
     return coloring;
   } catch (const Error&) {

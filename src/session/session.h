@@ -1,5 +1,5 @@
 // From a scene that was read to pictures of it: analysis, colours and what is automatic, the same for every
-// front end, so that the same request give the same bytes everywhere.
+// front end, so that the same request gives the same bytes everywhere.
 #pragma once
 
 #include <memory>
@@ -72,15 +72,14 @@ class Session {
                              const RenderWants& wants = {}, Progress& progress = no_progress());
   /// Whether such a picture is drawn in tiles.
   bool is_tiled(const Camera& camera) const { return renderer_.is_tiled(camera); }
-  /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For who
-  /// calls pictures off more often than this takes.
+  /// Computes what `look` and the rules need of the points and they lack; `render` does so as well. For
+  /// callers that cancel pictures more often than this takes.
   void complete(const Look& look, Progress& progress = no_progress());
-  /// Programs are compiled anew from now on: files of shaders changed. Looks of the caller's are the
-  /// caller's.
-  void forget_programs();
-  /// The same for attributes that nobody has asked for yet, of the points that no rule draws. False: they are
-  /// all there.
+  /// Computes attributes that nobody has asked for yet, of the points that no rule draws. False: nothing was
+  /// computed, as all are there, or no such points.
   bool complete(Attributes attributes, Progress& progress);
+  /// Programs are compiled anew from now on: files of shaders changed. The caller renews its own looks.
+  void forget_programs();
   /// Everything around the camera's position (techniques/panorama.h).
   RenderOutput render_panorama(const Look& look, const Camera& camera, const RenderWants& wants = {},
                                Progress& progress = no_progress());

@@ -631,7 +631,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
   const int samples = std::max(1, settings.samples);
   if (wants.color) gl::ensure(s.rgba8, "finished picture", GL_RGBA8, camera.width, camera.height);
 
-  // `auto` was resolved by those who ask for a finished picture: a frame in motion stays as it is.
+  // `auto` was resolved by Session, and is off where it was not.
   SamplePass pass{{items.begin(), items.end()},
                   settings,
                   timers,

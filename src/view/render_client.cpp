@@ -7,60 +7,60 @@ std::shared_ptr<RenderThread> RenderClient::make_thread(std::shared_ptr<Gate> ga
 }
 
 RenderClient::RenderClient(std::shared_ptr<RenderThread> thread, std::function<void()> wake)
-    : thread_(std::move(thread)), mine_(thread_->add(std::move(wake))) {}
+    : thread_(std::move(thread)), state_(thread_->add(std::move(wake))) {}
 
-RenderClient::~RenderClient() { thread_->remove(*mine_); }
+RenderClient::~RenderClient() { thread_->remove(*state_); }
 
 bool RenderClient::hold(const SceneKey& shared_key) {
   const std::lock_guard lock(thread_->mutex);
-  mine_->held_key.reset();
-  if (thread_->find(shared_key)) mine_->held_key = shared_key;
-  return mine_->held_key.has_value();
+  state_->held_key.reset();
+  if (thread_->find(shared_key)) state_->held_key = shared_key;
+  return state_->held_key.has_value();
 }
 
 void RenderClient::show(SceneJob job) {
   const std::lock_guard lock(thread_->mutex);
-  if (mine_->live) mine_->answers.push_back(JobCancelled{mine_->live->id});
-  mine_->live.reset();
-  mine_->scene = std::move(job);
-  mine_->cancel_scene = thread_->cancel_idle = true;
+  if (state_->live) state_->answers.push_back(JobCancelled{state_->live->id});
+  state_->live.reset();
+  state_->scene = std::move(job);
+  state_->cancel_scene = thread_->cancel_idle = true;
   thread_->work.notify_all();
 }
 
 void RenderClient::render(PictureJob job) {
   const std::lock_guard lock(thread_->mutex);
-  if (mine_->live) mine_->answers.push_back(JobCancelled{mine_->live->id});
-  mine_->live = std::move(job);
-  mine_->cancel_live = thread_->cancel_idle = true;
+  if (state_->live) state_->answers.push_back(JobCancelled{state_->live->id});
+  state_->live = std::move(job);
+  state_->cancel_live = thread_->cancel_idle = true;
   thread_->work.notify_all();
 }
 
 void RenderClient::render_to_keep(PictureJob job) {
   const std::lock_guard lock(thread_->mutex);
-  mine_->kept.push_back(std::move(job));
+  state_->kept.push_back(std::move(job));
   thread_->cancel_idle = true;
   thread_->work.notify_all();
 }
 
 void RenderClient::pick(PickJob job) {
   const std::lock_guard lock(thread_->mutex);
-  mine_->picks.push_back(std::move(job));
+  state_->picks.push_back(std::move(job));
   thread_->cancel_idle = true;
   thread_->work.notify_all();
 }
 
 void RenderClient::profile(ProfileJob job) {
   const std::lock_guard lock(thread_->mutex);
-  mine_->profile = std::move(job);
+  state_->profile = std::move(job);
   thread_->cancel_idle = true;
   thread_->work.notify_all();
 }
 
 void RenderClient::cancel() {
   const std::lock_guard lock(thread_->mutex);
-  if (mine_->live) mine_->answers.push_back(JobCancelled{mine_->live->id});
-  mine_->live.reset();
-  mine_->cancel_live = thread_->cancel_idle = true;
+  if (state_->live) state_->answers.push_back(JobCancelled{state_->live->id});
+  state_->live.reset();
+  state_->cancel_live = thread_->cancel_idle = true;
 }
 
 void RenderClient::forget_programs() {
@@ -70,20 +70,20 @@ void RenderClient::forget_programs() {
 
 std::vector<Answer> RenderClient::take_answers() {
   const std::lock_guard lock(thread_->mutex);
-  return std::exchange(mine_->answers, {});
+  return std::exchange(state_->answers, {});
 }
 
 std::vector<std::string> RenderClient::take_driver_messages() {
   const std::lock_guard lock(thread_->mutex);
-  return std::exchange(mine_->driver_messages, {});
+  return std::exchange(state_->driver_messages, {});
 }
 
 Activity RenderClient::activity() const {
   const std::lock_guard lock(thread_->mutex);
-  return mine_->activity;
+  return state_->activity;
 }
 
-std::uint64_t RenderClient::point_bytes() const { return mine_->point_bytes; }
+std::uint64_t RenderClient::point_bytes() const { return state_->point_bytes; }
 
 std::string RenderClient::renderer_name() const {
   const std::lock_guard lock(thread_->mutex);

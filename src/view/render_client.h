@@ -1,7 +1,7 @@
-// Asks a thread for pictures: it has a GL context without a window, sessions on it, and finished pictures out
-// of it. Whoever asks never waits; a newer request cancels an older one. Several render clients may share one
-// thread, and those of them that look at the same points share these: each has a camera, a look and colours
-// of its own.
+// Asks a render thread for pictures. The thread has a GL context without a window and sessions on it;
+// finished pictures come back as answers. Whoever asks never waits; a newer request cancels an older one.
+// Several render clients may share one thread, and those of them that look at the same points share these:
+// each has a camera, a look and colours of its own.
 #pragma once
 
 #include <condition_variable>
@@ -113,8 +113,8 @@ class RenderThread;
 
 class RenderClient {
  public:
-  /// `wake` is called from the thread of the render client whenever there is an answer. `others` render
-  /// clients wait for each other until all have their contexts: creating one is no work for two threads.
+  /// Render threads wait here until `clients` of them have their contexts: creating one is no work for two
+  /// threads.
   struct Gate {
     explicit Gate(int clients) : missing(clients) {}
     std::mutex mutex;
@@ -122,6 +122,7 @@ class RenderClient {
     int missing;
   };
   static std::shared_ptr<RenderThread> make_thread(std::shared_ptr<Gate> gate);
+  /// `wake` is called from the render thread when there is an answer or progress.
   RenderClient(std::shared_ptr<RenderThread> thread, std::function<void()> wake);
   RenderClient(std::shared_ptr<Gate> gate, std::function<void()> wake)
       : RenderClient(make_thread(std::move(gate)), std::move(wake)) {}
@@ -158,11 +159,11 @@ class RenderClient {
   /// Of the context; empty while there is none.
   std::string renderer_name() const;
 
-  struct Wanted;  ///< what one render client asks for and gets
+  struct State;  ///< what it asks for and gets, shared with the thread
 
  private:
   std::shared_ptr<RenderThread> thread_;
-  std::shared_ptr<Wanted> mine_;
+  std::shared_ptr<State> state_;
 };
 
 }  // namespace sfumato::view

@@ -39,7 +39,7 @@ Failure failure_of(std::uint64_t id) {
 class RenderThread::Watch final : public Progress {
  public:
   enum class Kind { scene, live, kept, idle };
-  Watch(RenderThread& thread, Wanted* one, Kind kind) : thread_(thread), one_(one), kind_(kind) {}
+  Watch(RenderThread& thread, State* one, Kind kind) : thread_(thread), one_(one), kind_(kind) {}
   Kind kind() const { return kind_; }
   void update(double fraction, std::string_view text) override {
     if (!one_) return;
@@ -61,12 +61,12 @@ class RenderThread::Watch final : public Progress {
 
  private:
   RenderThread& thread_;
-  Wanted* one_;  ///< null: nobody waits for it
+  State* one_;  ///< null: nobody waits for it
   Kind kind_;
   Clock::time_point last_wake_{};
 };
 
-void RenderThread::answer(Wanted& one, Answer answer) {
+void RenderThread::answer(State& one, Answer answer) {
   std::function<void()> wake;
   {
     const std::lock_guard lock(mutex);
@@ -77,7 +77,7 @@ void RenderThread::answer(Wanted& one, Answer answer) {
   wake();
 }
 
-void RenderThread::do_scene(Wanted& one, SceneJob job, Watch& watch) {
+void RenderThread::do_scene(State& one, SceneJob job, Watch& watch) {
   if (const std::shared_ptr<SharedSession> known = find(job.shared_key)) {
     SceneReady ready = known->ready;
     ready.id = job.id;
@@ -153,7 +153,7 @@ Image<float> sampled(const Image<float>& depth, int step) {
 }  // namespace
 
 /// As they are now: others come at any time.
-std::vector<std::shared_ptr<RenderClient::Wanted>> RenderThread::clients() const {
+std::vector<std::shared_ptr<RenderClient::State>> RenderThread::clients() const {
   const std::lock_guard lock(mutex);
   return clients_;
 }
@@ -164,7 +164,7 @@ std::size_t RenderThread::clients_of(const SharedSession& shared) const {
                                    [&](const auto& one) { return one->shared.get() == &shared; }));
 }
 
-Picture RenderThread::do_picture(Wanted& one, const PictureJob& job, Watch& watch) {
+Picture RenderThread::do_picture(State& one, const PictureJob& job, Watch& watch) {
   SharedSession& shared = *one.shared;
   const auto asked = Clock::now();
   Look& look = shared.look_of(job.technique, job.parameters);
@@ -198,7 +198,7 @@ Picture RenderThread::do_picture(Wanted& one, const PictureJob& job, Watch& watc
 }
 
 /// The nearest of what each part offers: what lies clearly behind another part's point is hidden by it.
-PickAnswer RenderThread::do_pick(Wanted& one, const PickJob& job) {
+PickAnswer RenderThread::do_pick(State& one, const PickJob& job) {
   const SharedSession& shared = *one.shared;
   const Session& session = shared.session();
   PickAnswer found{job.id, {}};
@@ -220,7 +220,7 @@ PickAnswer RenderThread::do_pick(Wanted& one, const PickJob& job) {
 /// While nothing is asked for: measures what other techniques will want, so that the first switch to one does
 /// not wait for it. False when there is nothing to do.
 bool RenderThread::prepare_ahead() {
-  for (const std::shared_ptr<Wanted>& one : clients()) {
+  for (const std::shared_ptr<State>& one : clients()) {
     if (!one->shared || !one->shared->prepares_ahead) continue;
     SharedSession& shared = *one->shared;
     if (shared.session().prepared_points() > SharedSession::most_points_of_looks) continue;
@@ -240,7 +240,7 @@ bool RenderThread::prepare_ahead() {
   return false;
 }
 
-Profile RenderThread::do_profile(Wanted& one, const ProfileJob& job) {
+Profile RenderThread::do_profile(State& one, const ProfileJob& job) {
   const Session& session = one.shared->session();
   Profile profile;
   profile.id = job.id, profile.line = job.line, profile.width = job.width;
@@ -252,7 +252,7 @@ Profile RenderThread::do_profile(Wanted& one, const ProfileJob& job) {
 
 /// Nothing more can be drawn: whoever asked is told by an answer of id 0.
 void RenderThread::lose(const Failure& failure) {
-  std::vector<std::shared_ptr<Wanted>> all;
+  std::vector<std::shared_ptr<State>> all;
   {
     const std::lock_guard lock(mutex);
     lost_ = failure;
@@ -274,7 +274,7 @@ bool RenderThread::is_lost() {
 /// Points that nobody shows or holds any more are dropped, and render clients that are gone.
 void RenderThread::drop_unused() {
   std::vector<std::shared_ptr<SharedSession>> unused;  // freed without the lock
-  std::vector<std::shared_ptr<Wanted>> gone;
+  std::vector<std::shared_ptr<State>> gone;
   const std::lock_guard lock(mutex);
   const auto is_gone = [](const auto& one) { return one->gone.load(); };
   std::copy_if(clients_.begin(), clients_.end(), std::back_inserter(gone), is_gone);
@@ -291,7 +291,7 @@ void RenderThread::drop_unused() {
 }
 
 /// With the lock.
-std::shared_ptr<RenderClient::Wanted> RenderThread::next_waiting() {
+std::shared_ptr<RenderClient::State> RenderThread::next_waiting() {
   for (std::size_t k = 1; k <= clients_.size(); ++k) {
     const std::size_t i = (turn_ + k) % clients_.size();
     if (!clients_[i]->is_waiting()) continue;
@@ -301,13 +301,13 @@ std::shared_ptr<RenderClient::Wanted> RenderThread::next_waiting() {
   return nullptr;
 }
 
-void RenderThread::draw() {
+void RenderThread::do_jobs() {
   while (!stop_) {
     std::optional<SceneJob> scene;
     std::optional<PictureJob> picture;
     std::optional<PickJob> pick;
     std::optional<ProfileJob> profile;
-    std::shared_ptr<Wanted> one;
+    std::shared_ptr<State> one;
     auto kind = Watch::Kind::live;
     drop_unused();
     {
@@ -402,7 +402,7 @@ void RenderThread::run() {
     const std::lock_guard lock(mutex);
     renderer_name = context_->limits().renderer;
   }
-  draw();
+  do_jobs();
   // What is on the GPU goes before its context does.
   shared_.clear();
   for (const auto& one : clients()) one->shared.reset();

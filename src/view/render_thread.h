@@ -73,7 +73,7 @@ struct SharedSession {
   ~SharedSession() { looks.clear(); }
 };
 
-struct RenderClient::Wanted {
+struct RenderClient::State {
   std::function<void()> wake;
   std::optional<SceneJob> scene;
   std::optional<PictureJob> live;
@@ -95,7 +95,7 @@ struct RenderClient::Wanted {
 
 class RenderThread {
  public:
-  using Wanted = RenderClient::Wanted;
+  using State = RenderClient::State;
   explicit RenderThread(std::shared_ptr<RenderClient::Gate> gate)
       : gate_(std::move(gate)), thread_([this] { run(); }) {}
   ~RenderThread() {
@@ -107,15 +107,15 @@ class RenderThread {
     thread_.join();
   }
 
-  std::shared_ptr<Wanted> add(std::function<void()> wake) {
-    auto one = std::make_shared<Wanted>();
+  std::shared_ptr<State> add(std::function<void()> wake) {
+    auto one = std::make_shared<State>();
     one->wake = std::move(wake);
     const std::lock_guard lock(mutex);
     if (lost_) one->answers.push_back(*lost_);
     clients_.push_back(one);
     return one;
   }
-  void remove(Wanted& one) {
+  void remove(State& one) {
     one.gone = one.cancel_live = one.cancel_scene = true;
     const std::lock_guard lock(mutex);
     one.wake = [] {};
@@ -137,24 +137,24 @@ class RenderThread {
  private:
   class Watch;
   void run();
-  void draw();
-  void answer(Wanted& one, Answer answer);
-  void do_scene(Wanted& one, SceneJob job, Watch& watch);
-  PickAnswer do_pick(Wanted& one, const PickJob& job);
+  void do_jobs();
+  void answer(State& one, Answer answer);
+  void do_scene(State& one, SceneJob job, Watch& watch);
+  PickAnswer do_pick(State& one, const PickJob& job);
   bool prepare_ahead();
   void lose(const Failure& failure);
   bool is_lost();
-  Profile do_profile(Wanted& one, const ProfileJob& job);
-  std::vector<std::shared_ptr<Wanted>> clients() const;
+  Profile do_profile(State& one, const ProfileJob& job);
+  std::vector<std::shared_ptr<State>> clients() const;
   std::size_t clients_of(const SharedSession& shared) const;
-  Picture do_picture(Wanted& one, const PictureJob& job, Watch& watch);
+  Picture do_picture(State& one, const PictureJob& job, Watch& watch);
   void drop_unused();
-  std::shared_ptr<Wanted> next_waiting();
+  std::shared_ptr<State> next_waiting();
 
   std::shared_ptr<RenderClient::Gate> gate_;
   std::unique_ptr<gl::Context> context_;
-  std::vector<std::shared_ptr<Wanted>> clients_;  ///< with the lock
-  std::size_t turn_ = 0;                          ///< whose request was met last: each gets a picture in turn
+  std::vector<std::shared_ptr<State>> clients_;  ///< with the lock
+  std::size_t turn_ = 0;                         ///< whose request was met last: each gets a picture in turn
   std::vector<std::pair<SceneKey, std::shared_ptr<SharedSession>>> shared_;
   std::optional<Failure> lost_;
   std::atomic<bool> stop_{false};

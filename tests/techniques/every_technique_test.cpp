@@ -139,8 +139,8 @@ class StopsAt final : public Progress {
   mutable std::atomic<int> asked_ = 0;
 };
 
-// Called off after any of its slices: what was left half done shows in no picture after it.
-TEST_P(EveryTechnique, APictureCanBeCalledOffAnywhere) {
+// Cancelled after any of its slices: what was left half done shows in no picture after it.
+TEST_P(EveryTechnique, APictureCanBeCancelledAnywhere) {
   const auto draw = [](Renderer& renderer, Technique& technique, int frame, Shadows shadows,
                        Progress& progress = no_progress()) {
     RenderSettings s;

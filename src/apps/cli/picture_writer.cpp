@@ -108,7 +108,7 @@ RenderOutput PictureWriter::render(ChosenTechnique& chosen, const Camera& camera
   return session_.render(chosen, camera, wants_, console_);
 }
 
-void PictureWriter::write_picture(const Camera& camera, int n, Stopwatch& watch) {
+void PictureWriter::render_picture(const Camera& camera, int n, Stopwatch& watch) {
   if (std::max(camera.width, camera.height) > Renderer::largest_side)
     throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture ({} px a side): "
                                               "lower --resolution",
@@ -222,7 +222,7 @@ void PictureWriter::close(Rows& rows, const Camera& camera) {
     if (*exr) (*exr)->finish();
   for (auto* npy : {&rows.npy, &rows.depth_npy, &rows.index_npy, &rows.normal_npy})
     if (*npy) (*npy)->finish();
-  if (!rows.whole.empty()) write_picture(rows.whole_name, rows.whole, camera);
+  if (!rows.whole.empty()) write_image(rows.whole_name, rows.whole, camera);
   if (!rows.depth.empty()) write_depth(rows.depth_name, rows.depth);
 }
 
@@ -271,7 +271,7 @@ std::string PictureWriter::name_of(const std::string& pattern, int n, const std:
   return name;
 }
 
-void PictureWriter::write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
+void PictureWriter::write_image(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
   const std::string extension = extension_of(name);
   if (extension == ".jpg" || extension == ".jpeg") {
     return io::write_jpeg(name, image, options_.quality.value_or(90), options_.dpi());
@@ -296,7 +296,7 @@ void PictureWriter::write_panels(const std::vector<labels::Panel>& panels, const
     const std::string name = name_of(options_.output_panels, n, panel.label);
     Image<Rgba8> image = panel.image;
     draw_furniture(image, camera);
-    write_picture(name, image, camera);
+    write_image(name, image, camera);
   }
 }
 
@@ -346,7 +346,7 @@ void PictureWriter::write(const RenderOutput& out, const Camera& camera, int n) 
     else if (extension == ".npy")
       io::write_npy(name, out.color_linear);
     else
-      write_picture(name, out.rgba8, camera);
+      write_image(name, out.rgba8, camera);
   }
   if (!options_.output_depth.empty()) write_depth(name_of(options_.output_depth, n), out.depth);
   if (index_) io::write_npy(name_of(options_.output_index, n), index_->of(camera, out.depth));

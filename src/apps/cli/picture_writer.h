@@ -39,17 +39,18 @@ class PictureWriter {
                 Console& console);
   ~PictureWriter();
 
-  /// Notes what there is to say about the points, and returns why `auto` chose the technique, if it did.
+  /// Makes the scene ready to be drawn: resolves `auto`, measures, colours, and notes what there is to say.
+  /// Returns why `auto` chose the technique, if it did.
   std::string set_scene(scene::Scene scene, Pose pose);
   /// Renders one view with every technique and writes its files. `n` fills the names of pictures.
-  void write_picture(const Camera& camera, int n, Stopwatch& watch);
+  void render_picture(const Camera& camera, int n, Stopwatch& watch);
   /// After the last picture.
   void finish();
 
  private:
   RenderOutput render(ChosenTechnique& chosen, const Camera& camera);
   std::string name_of(const std::string& pattern, int n, const std::string& technique = {});
-  void write_picture(const std::string& name, const Image<Rgba8>& image, const Camera& camera);
+  void write_image(const std::string& name, const Image<Rgba8>& image, const Camera& camera);
   void draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row = 0) const;
   std::optional<io::Georeference> place_of(const Camera& camera) const;
   void write_world_file();

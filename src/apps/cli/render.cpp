@@ -261,7 +261,7 @@ int render_each(RenderOptions& options, Choice& choice, const std::string& comma
       console.note(writer->set_scene(std::move(opened.scene), opened.opening.pose()));
       console.say_notes({options.files[n]});
       watch.lap("prepare");
-      writer->write_picture(camera, int(n), watch);
+      writer->render_picture(camera, int(n), watch);
       ++report.frames;
     });
   const int code = batch.exit_code();
@@ -355,7 +355,7 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
       console.say_notes(options.files);
       watch.lap("prepare");
     }
-    writer.write_picture(seen, n, watch);
+    writer.render_picture(seen, n, watch);
   }
   writer.finish();
   if (options.publication)

@@ -110,9 +110,9 @@ int serve_command(const Words& words) {
   sources.announce = [](const std::string& address) { print(address + "\n"), std::fflush(stdout); };
   sources.say = [&](const std::string& text) { console.say("sfumato: " + text); };
   sources.start = [&] { return start_of(request); };
-  sources.request = [&](const serve::Query& query) {
+  sources.picture = [&](const serve::Query& query) {
     const auto asked = request_of(words_of(query), options.files, options.preset);
-    serve::Request wanted;
+    serve::PictureRequest wanted;
     wanted.start = start_of(asked);
     wanted.start.request.placed = start_of(request).request.placed;
     if (const auto& size = asked->options.view.size) std::tie(wanted.width, wanted.height) = *size;

@@ -89,9 +89,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!server_.is_ready()) return refuse(503, "the files are being read");
     if (double(server_.renders) >= most_renders)
       return refuse(503, "other pictures are being made: try again");
-    serve::Request wanted;
+    PictureRequest wanted;
     try {
-      wanted = server_.sources.request(query);
+      wanted = server_.sources.picture(query);
     } catch (const Error& error) {
       return refuse(400, error.what());
     }

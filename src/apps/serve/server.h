@@ -23,15 +23,15 @@ struct Settings {
 };
 
 /// A picture that a program asks for.
-struct Request {
+struct PictureRequest {
   view::Start start;
   int width = 1280, height = 720;
 };
 
 struct Sources {
-  std::function<view::Start()> start;                ///< of a new page
-  std::function<Request(const Query&)> request;      ///< throws Error(usage) for what is no option
-  std::function<void(const std::string&)> announce;  ///< the address, once it answers
+  std::function<view::Start()> start;                   ///< of a new page
+  std::function<PictureRequest(const Query&)> picture;  ///< throws Error(usage) for what is no option
+  std::function<void(const std::string&)> announce;     ///< the address, once it answers
   std::function<void(const std::string&)> say;
 };
 
