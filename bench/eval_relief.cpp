@@ -59,7 +59,7 @@ synth::Scene make_facade() {
   return b.scene;
 }
 
-struct SensorView {
+struct SceneView {
   std::string name;
   synth::Scene scene;
   Camera camera;
@@ -87,9 +87,9 @@ double openness_of(const synth::Scene& scene, dvec3 place, dvec3 normal, std::ui
   return double(open) / (across * across);
 }
 
-SensorView make_sight(const std::string& name, int width, int height, int places) {
+SceneView make_view(const std::string& name, int width, int height, int places) {
   const bool is_facade = name == "facade";
-  SensorView v{name, is_facade ? make_facade() : synth::make_scene(name), {}, {}, {}};
+  SceneView v{name, is_facade ? make_facade() : synth::make_scene(name), {}, {}, {}};
   v.camera = frame(v.scene.box, v.scene.up, width, height, glm::radians(is_facade ? 25.0 : -45.0),
                    glm::radians(is_facade ? 20.0 : 35.0));
   v.camera.fov_y *= 0.6;  // of outliers and air there are none
@@ -161,7 +161,7 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-void compare(gl::Context& context, const SensorView& view, const PointCloud& cloud, const std::string& name,
+void compare(gl::Context& context, const SceneView& view, const PointCloud& cloud, const std::string& name,
              const std::string& folder, int repeats) {
   Renderer renderer(context);
   const auto technique = find_technique(name).create();
@@ -235,7 +235,7 @@ int main(int count, char** words) try {
   const auto context = gl::Context::create_headless();
   for (const std::string name : {"forest", "courtyard", "facade"}) {
     if (!scene.empty() && scene != name) continue;
-    const SensorView view = make_sight(name, 960, 540, is_quick ? 1 : 4);
+    const SceneView view = make_view(name, 960, 540, is_quick ? 1 : 4);
     synth::SampleOptions options;
     options.points = 1'000'000;
     options.sampling = synth::Sampling::area;
