@@ -1,6 +1,6 @@
 // A simulation that shows its particles through ParaView's Catalyst while it runs, on MPI ranks:
-//   SFUMATO_PLUGIN=Sfumato.so PICTURES=pictures mpirun -np 4 -x SFUMATO_PLUGIN -x PICTURES in_situ in_situ.py
-//   10
+//   export SFUMATO_PLUGIN=Sfumato.so PICTURES=pictures
+//   mpirun -np 4 -x SFUMATO_PLUGIN -x PICTURES in_situ in_situ.py 10
 #include <cmath>
 #include <cstdlib>
 #include <random>

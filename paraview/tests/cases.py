@@ -1,6 +1,7 @@
 """The plugin in ParaView beside the command: pvbatch cases.py SFUMATO PLUGIN SCRATCH CASE [ARGUMENT...]
 
-Each case ends with "PASSED". On several ranks, the first runs it. The case "server" needs pvpython: pvbatch is its own server. Clouds are made here; the command reads them from a file.
+Each case ends with "PASSED". On several ranks, the first runs it. Clouds are made here; the command reads them from a file.
+The case "server" needs pvpython: pvbatch is its own server.
 """
 import atexit
 import ctypes
@@ -10,6 +11,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 from paraview import simple as pv
@@ -434,27 +436,26 @@ def server():
 def examples():
     """Those of examples/paraview, as their first lines say; `in_situ`, where it is built, is the last argument."""
     folder = os.path.join(os.path.dirname(__file__), "../../examples/paraview")
-    for name in ["city.png", *(f"series/step.{i:04d}.png" for i in range(3)), *(f"step_{i:03d}.png" for i in range(3))]:
-        if os.path.exists(os.path.join(SCRATCH, name)): os.remove(os.path.join(SCRATCH, name))
+    scratch = tempfile.TemporaryDirectory(dir=SCRATCH)
+    def path(name): return os.path.join(scratch.name, name)
     def run(ranks, *words, **environment):
         subprocess.run(launched(ranks, *words), env=ENVIRONMENT | environment, check=True)
     def shows_something(name, size):
-        picture = pixels(os.path.join(SCRATCH, name))
+        picture = pixels(path(name))
         assert picture.shape[:2] == size, picture.shape
         background = picture[0, 0]
         assert (np.abs(picture - background).max(axis=2) > 8).mean() > 0.05, name
         return picture
-    tiles = [os.path.join(SCRATCH, f"tile_{i}.laz") for i in range(3)]
+    tiles = [path(f"tile_{i}.laz") for i in range(3)]
     for i, tile in enumerate(tiles):
         subprocess.run([COMMAND, "synth", "courtyard", "--points", str(20000 * (i + 1)), "--quiet", "-o", tile], check=True)
-    city = os.path.join(SCRATCH, "city.png")
-    run(2, "pvbatch", os.path.join(folder, "city.py"), PLUGIN, city, "640x360", *tiles)
+    run(2, "pvbatch", os.path.join(folder, "city.py"), PLUGIN, path("city.png"), "640x360", *tiles)
     shows_something("city.png", (360, 640))
-    run(1, "pvbatch", os.path.join(folder, "time_series.py"), PLUGIN, os.path.join(SCRATCH, "series", "step.png"), *tiles)
+    run(1, "pvbatch", os.path.join(folder, "time_series.py"), PLUGIN, path("series/step.png"), *tiles)
     steps = [shows_something(f"series/step.{i:04d}.png", (720, 1280)) for i in range(3)]
     assert (steps[0] != steps[2]).any()
     if ARGUMENTS:
-        run(2, ARGUMENTS[0], os.path.join(folder, "in_situ.py"), "3", SFUMATO_PLUGIN=PLUGIN, PICTURES=SCRATCH)
+        run(2, ARGUMENTS[0], os.path.join(folder, "in_situ.py"), "3", SFUMATO_PLUGIN=PLUGIN, PICTURES=scratch.name)
         first, last = (shows_something(f"step_{i:03d}.png", (480, 640)) for i in (0, 2))
         assert (first != last).any()
 

@@ -154,11 +154,11 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
   const double behind = 1 + 3 * width / side;
   std::size_t seen = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) seen += depths[i] < nearest[place[i]] * behind;
-  SensorView sight;
-  sight.first = double(seen) / double(depths.size());
-  sight.faces_up = faces_up(nearest, cells);
-  sight.width = width;
-  sight.of_pixels = is_in_steps(x, low.x, high.x) && is_in_steps(y, low.y, high.y);
+  SensorView view;
+  view.first = double(seen) / double(depths.size());
+  view.faces_up = faces_up(nearest, cells);
+  view.width = width;
+  view.of_pixels = is_in_steps(x, low.x, high.x) && is_in_steps(y, low.y, high.y);
   // In cells of 8 points chance leaves some open, and those of 32 points hide the shape of a crown or of
   // land.
   const int coarse = std::max(side / 2, 4);
@@ -169,22 +169,22 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
     const double open_across = Cells(x, y, cells_across).open_share(x, y);
     return std::max(0.0, open_across - open_before) / (open_across + chance);
   };
-  sight.framed = std::min(closed_share(open, side), closed_share(open_coarse, coarse));
+  view.framed = std::min(closed_share(open, side), closed_share(open_coarse, coarse));
   const double nearest_depth = value_at_share(depths, 0.02);  // moves them
-  sight.ahead = glm::all(glm::lessThan(low, glm::dvec2(0))) &&
-                glm::all(glm::greaterThan(high, glm::dvec2(0))) &&
-                nearest_depth > near * value_at_share(depths, 0.5);
-  return sight;
+  view.ahead = glm::all(glm::lessThan(low, glm::dvec2(0))) &&
+               glm::all(glm::greaterThan(high, glm::dvec2(0))) &&
+               nearest_depth > near * value_at_share(depths, 0.5);
+  return view;
 }
 
-double is_one_picture(const SensorView& sight) {
-  return std::clamp((sight.first - 0.75) / (0.9 - 0.75), 0.0, 1.0);
+double is_one_picture(const SensorView& view) {
+  return std::clamp((view.first - 0.75) / (0.9 - 0.75), 0.0, 1.0);
 }
 
-double is_image(const SensorView& sight) {
+double is_image(const SensorView& view) {
   // Of depth cameras that fill their picture `framed` is 0.32 to 0.92, of other clouds before the origin 0 to
   // 0.15, of photographs 0 to 0.2 (docs/measurements/first_view.md).
-  return sight.of_pixels ? 1 : std::clamp((sight.framed - 0.2) / (0.5 - 0.2), 0.0, 1.0);
+  return view.of_pixels ? 1 : std::clamp((view.framed - 0.2) / (0.5 - 0.2), 0.0, 1.0);
 }
 
 dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye) {
@@ -238,8 +238,8 @@ bool are_one_picture(std::span<const dvec3> points, const dvec3& eye) {
   const dvec3 along = mean_direction(points, eye);
   if (along == dvec3(0)) return false;
   const dvec3 up = std::abs(along.z) < 0.7 ? dvec3(0, 0, 1) : dvec3(0, 1, 0);
-  const SensorView sight = sensor_view_of(points, eye, along, up);
-  return !sight.is_narrow() && is_one_picture(sight) >= 0.5;
+  const SensorView view = sensor_view_of(points, eye, along, up);
+  return !view.is_narrow() && is_one_picture(view) >= 0.5;
 }
 
 }  // namespace sfumato::analysis

@@ -30,9 +30,9 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
                           const dvec3& up);
 
 /// From `eye` each line of sight meets one surface: 0 to 1.
-double is_one_picture(const SensorView& seen);
+double is_one_picture(const SensorView& view);
 /// The points are those of an image taken at `eye`, however noisy its depths are: 0 to 1.
-double is_image(const SensorView& seen);
+double is_image(const SensorView& view);
 
 /// The mean direction from `eye` to the points, a unit vector; 0 where they lie all around it.
 dvec3 mean_direction(std::span<const dvec3> points, const dvec3& eye);

@@ -172,16 +172,16 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
   constexpr double of_photographs = 0.75;
   dvec3 along(0);
   along[axis] = positive ? 1 : -1;
-  const SensorView sight =
+  const SensorView view =
       sensor_view_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
-  if (sight.is_narrow()) return {};
-  const double one = is_one_picture(sight), image = is_image(sight);
-  const double before = std::max(one, sight.ahead && colored ? of_photographs : 0);
+  if (view.is_narrow()) return {};
+  const double one = is_one_picture(view), image = is_image(view);
+  const double before = std::max(one, view.ahead && colored ? of_photographs : 0);
   const double seen = std::max(image, before * (1 - lies(axis)));
   const double custom = positive ? -1 : 1, down = custom * downwards(axis);
   const double sign = down < -in_rows ? -custom : custom;
-  const double floors = sign * std::clamp(sight.faces_up / sure_floors, -1.0, 1.0);
-  const double unsure = sight.of_pixels || std::abs(down) > in_rows ? 0 : not_of_pixels;
+  const double floors = sign * std::clamp(view.faces_up / sure_floors, -1.0, 1.0);
+  const double unsure = view.of_pixels || std::abs(down) > in_rows ? 0 : not_of_pixels;
   const double opposed = std::max({one, image, seen_from_more});
   const double opposite = std::max(-opposed * floors, unsure * std::min(1 - floors, 1.0));
   const double turned = sign == custom ? opposite : 1 - opposite;

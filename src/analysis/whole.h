@@ -1,7 +1,7 @@
 // What a part of a cloud has to know of the whole to be drawn as in a picture of all of it: facts that merge
 // (cloud_facts.h), in two rounds, because places are chosen before anybody looks around them.
 //
-//   CloudFacts facts = facts_of(part);                                   merge those of all parts
+//   CloudFacts facts = facts_of(part);                               merge those of all parts
 //   NeighborhoodFacts around = neighborhood_facts_of(part, facts);   merge those of all parts
 //   sort_cloud(part, ..., whole_of(facts, around, origin))
 #pragma once

@@ -181,6 +181,10 @@ struct ReliefLoop {
     return std::exp(-darkest * (1 - std::exp(-exponent / darkest)));
   }
 
+  [[gnu::always_inline]] static float bounded(float angle, float most) {
+    return std::clamp(angle, std::min(most, 0.0f), std::max(most, 0.0f));
+  }
+
   /// ridge_at of pixels side by side, as if they faced the camera.
   [[gnu::always_inline]] void find_ridges(int x, int y, float* ridges) const {
     const float* own = &surfaces->depth.at(x, y);
@@ -208,9 +212,8 @@ struct ReliefLoop {
         const float turned = angles[i], promised = most_sudden * float(px) * half_angles[k % 2][i],
                     added = most_sudden * float(px) / float(px - half_px[k % 2]) *
                             (turned - half_turned[k % 2][i]);
-        float bounded = std::clamp(turned, std::min(promised, 0.0f), std::max(promised, 0.0f));
-        bounded = std::clamp(bounded, std::min(added, 0.0f), std::max(added, 0.0f));
-        const float bound = half_counts[k % 2][i], angle = turned * (1 - bound) + bounded * bound;
+        const float bound = half_counts[k % 2][i],
+                    angle = turned * (1 - bound) + bounded(bounded(turned, promised), added) * bound;
         const float counts = glm::smoothstep(least_spacings, enough_spacings, spacings);
         half_turned[k % 2][i] = turned, half_angles[k % 2][i] = angle / float(px),
                         half_counts[k % 2][i] = counts;

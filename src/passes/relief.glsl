@@ -80,12 +80,15 @@ float opening(ivec2 pixel, float depth, int axis, int px, float reach) {
   return is_one ? a[axis] - b[axis] : 0.0;
 }
 
+// No farther from 0 than `most`, and 0 where that has the other sign.
+float bounded(float angle, float most) { return clamp(angle, min(most, 0.0), max(most, 0.0)); }
+
 // How far the surface is a ridge, above 0, or a valley: the mean over distances from the third on. Each counts little
 // more than in proportion to what counts of half the distance, and to what the other half adds, where the points are no
-// farther apart than that: there would be a band beside every crease, along which normals turn at once, and a line on it, as on
-// every edge of a coarse mesh. What an arc rises by, an eighth of its angle and length, counts above the noise of the
-// points, softly (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the picture: the
-// angle is that along the surface.
+// farther apart than that: there would be a band beside every crease, along which normals turn at once, and a line on
+// it, as on every edge of a coarse mesh. What an arc rises by, an eighth of its angle and length, counts above the noise
+// of the points, softly (Donoho, Johnstone 1994, Eq. 4). Normals along a slanted surface turn so much faster in the
+// picture: the angle is that along the surface.
 float ridge_at(ivec2 pixel, float depth) {
   vec3 own = surface_at(pixel).xyz;
   if (dot(own, own) < 0.25) return 0.0;
@@ -98,9 +101,8 @@ float ridge_at(ivec2 pixel, float depth) {
     float turned = 0.5 * (opening(pixel, depth, 0, int(away), reach) + opening(pixel, depth, 1, int(away), reach));
     vec4 near = halves[k % 2];
     float promised = most_sudden * away * near.z,
-          added = most_sudden * away / (away - near.x) * (turned - near.y),
-          bounded = clamp(turned, min(promised, 0.0), max(promised, 0.0));
-    float angle = mix(turned, clamp(bounded, min(added, 0.0), max(added, 0.0)), near.w);
+          added = most_sudden * away / (away - near.x) * (turned - near.y);
+    float angle = mix(turned, bounded(bounded(turned, promised), added), near.w);
     float counts = smoothstep(least_spacings, enough_spacings, away / max(median_spacing * px, 1e-6));
     halves[k % 2] = vec4(away, turned, angle / away, counts);
     if (k >= 2) sum += sign(angle) * max(abs(angle) - noise, 0.0) * counts;
