@@ -272,17 +272,19 @@ bool names_degrees(std::string_view line) {
 
 bool is_running_number(const SampleRows& beginning, const std::vector<double>& end) {
   if (beginning.size() < 3 || beginning[0].size() < 4) return false;
+  const double way = beginning[1][0] < beginning[0][0] ? -1 : 1;
   double last = -std::numeric_limits<double>::infinity();
-  const auto rises = [&](double value) {
-    const bool is_next = value == std::floor(value) && value > last && value >= 0;
-    last = value;
+  const auto goes_on = [&](double value) {
+    const bool is_next = value == std::floor(value) && way * value > last && value >= 0;
+    last = way * value;
     return is_next;
   };
   for (const std::vector<double>& row : beginning)
-    if (!rises(row[0])) return false;
+    if (!goes_on(row[0])) return false;
+  const double latest = last;
   for (const double value : end)
-    if (value > beginning.back()[0] && !rises(value)) return false;
-  if (!end.empty() && end.back() < beginning.back()[0]) return false;
+    if (way * value > latest && !goes_on(value)) return false;
+  if (!end.empty() && way * end.back() < latest) return false;
   return !summary_of(beginning, 1).is_whole && !summary_of(beginning, 2).is_whole;
 }
 

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "gl/commands.h"
 #include "gl/preferences.h"
+#include "passes/bindings.h"
 #include "passes/evidence_cpu.h"
 #include "passes/view.h"
 
@@ -10,8 +12,10 @@ namespace sfumato {
 
 namespace {
 
-/// An empty disc that reaches a pixel has its centre as far away, and no point within as far again.
-int band_of(const EvidenceReach& reach) { return 2 * int(std::ceil(reach.between)); }
+/// A pixel may lie beside a triangle, whose circle has its centre as far away as its points from that.
+int band_of(const EvidenceReach& reach) {
+  return 2 * int(std::ceil(reach.between)) + int(std::ceil(reach.beside)) + 2;
+}
 
 }  // namespace
 
@@ -51,17 +55,28 @@ const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int w
     mask_.upload(evidence_by_rows(depth_bits.download<std::uint32_t>(), band, width, height, reach));
     return mask_;
   }
-  gl::ensure(along_rows_, "distances along rows", GL_R32F, depth_bits.width(), depth_bits.height());
-  gl::ensure(distance_, "distance to points", GL_R32F, depth_bits.width(), depth_bits.height());
+  const int wide = depth_bits.width(), high = depth_bits.height();
+  gl::ensure(along_rows_, "distances along rows", GL_R32F, wide, high);
+  gl::ensure(nearest_, "nearest points", GL_RG32F, wide, high);
+  gl::ensure(shape_, "alpha shape", GL_R32UI, wide, high);
   const auto make = [](ScreenPass& pass, const char* step, GLenum format) -> ScreenPass& {
     if (!pass) pass = ScreenPass("passes/evidence.glsl", {format}, {step});
     return pass;
   };
-  make(rows_, "ROWS", GL_R32F).set("between", reach.between).run({&depth_bits}, {&along_rows_});
-  make(columns_, "COLUMNS", GL_R32F).set("between", reach.between).run({&along_rows_}, {&distance_});
-  make(open_rows_, "OPEN_ROWS", GL_R32F).set("between", reach.between).run({&distance_}, {&along_rows_});
-  make(surrounded_, "SURROUNDED", GL_R8).set("between", reach.between).set("beside", reach.beside);
-  surrounded_.set("band", band).run({&distance_, &along_rows_}, {&mask_});
+  const float to_circle = std::floor(reach.between) + 2;  // from a pixel beside the centre of a circle
+  make(rows_, "ROWS", GL_R32F).set("reach", to_circle).run({&depth_bits}, {&along_rows_});
+  make(nearest_of_rows_, "NEAREST", GL_RG32F).set("reach", to_circle).run({&along_rows_}, {&nearest_});
+
+  if (!draw_shape_) draw_shape_ = gl::Program::compute("passes/evidence_shape.comp");
+  shape_.clear_uint(0xffffffff);
+  nearest_.bind(binding::input);
+  shape_.bind_image(0, GL_WRITE_ONLY);
+  draw_shape_.set("alpha", reach.between).dispatch(unsigned(wide + 15) / 16, unsigned(high + 7) / 8);
+  gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+
+  rows_.set("reach", reach.beside).run({&shape_}, {&along_rows_});
+  make(widened_, "WIDENED", GL_R8).set("reach", reach.beside).set("between", reach.between);
+  widened_.set("band", band).run({&along_rows_, &nearest_}, {&mask_});
   return mask_;
 }
 

@@ -1,62 +1,64 @@
-// Whether points vouch for a pixel (evidence.h), in four steps that each look along one line: squares of distances are sums
-// of squares along rows and columns.
-//   ROWS        to the nearest point in the row
-//   COLUMNS     to the nearest point, from that
-//   OPEN_ROWS   to the nearest pixel in the row that is farther than `between` from all points: centre of an empty disc
-//   SURROUNDED  1 where no such centre is as near as `between` less `beside`
+// The steps of evidence.h that look along a line: the nearest pixel of those that are set is the nearest in
+// its column of the nearest in their rows.
+//   ROWS     px to the side, to the nearest in the row; to the left where two are as near
+//   NEAREST  the nearest pixel, from that; the topmost of those as near; -1 where none is within the reach
+//   WIDENED  1 within the reach, from that, where a point is near enough
 #include "frame.glsl"
 
 #ifdef ROWS
-layout(binding = UNIT_INPUT) uniform usampler2D points;
+layout(binding = UNIT_INPUT) uniform usampler2D pixels;  // 0xffffffff: not set
 #else
-layout(binding = UNIT_INPUT) uniform sampler2D distances;  // squared, or along rows (COLUMNS)
-layout(binding = UNIT_INPUT + 1) uniform sampler2D open_rows;
-uniform float beside;
+layout(binding = UNIT_INPUT) uniform sampler2D along;
+layout(binding = UNIT_INPUT + 1) uniform sampler2D nearest;  // of the points
 uniform int band;
-#endif
 uniform float between;
+#endif
+uniform float reach;
 
 const float nowhere = 1e9;
 
-// Whether the pixel is one that distances are measured to.
-bool is_goal(ivec2 at, ivec2 size) {
-  if (at.x < 0 || at.x >= size.x) return false;
 #ifdef ROWS
-  return texelFetch(points, at, 0).x != 0xffffffffu;
-#else
-  return texelFetch(distances, at, 0).x > between * between;
-#endif
+bool is_set(ivec2 at) {
+  return at.x >= 0 && at.x < textureSize(pixels, 0).x && texelFetch(pixels, at, 0).x != 0xffffffffu;
 }
 
-float nearest_in_row(ivec2 pixel, ivec2 size) {
-  for (int k = 0; k <= int(between); ++k)
-    if (is_goal(pixel - ivec2(k, 0), size) || is_goal(pixel + ivec2(k, 0), size)) return float(k * k);
+float nearest_in_row(ivec2 pixel) {
+  for (int k = 0; k <= int(reach); ++k) {
+    if (is_set(pixel - ivec2(k, 0))) return float(-k);
+    if (is_set(pixel + ivec2(k, 0))) return float(k);
+  }
   return nowhere;
 }
-
-float nearest_in_rows(sampler2D along, ivec2 pixel, int height) {
-  float nearest = nowhere;
-  for (int k = 0; k <= int(between) && float(k * k) < nearest; ++k) {
-    float above = pixel.y >= k ? texelFetch(along, pixel - ivec2(0, k), 0).x : nowhere;
-    float below = pixel.y + k < height ? texelFetch(along, pixel + ivec2(0, k), 0).x : nowhere;
-    nearest = min(nearest, min(above, below) + float(k * k));
-  }
-  return nearest;
+#else
+/// To the side and down, px; beyond the reach where there is none.
+vec2 nearest_in_rows(ivec2 pixel) {
+  vec2 offset = vec2(nowhere, 0.0);
+  float least = nowhere;
+  for (int k = 0; k <= int(reach) && float(k * k) <= least; ++k)
+    for (int side = -1; side <= 1; side += 2) {
+      int row = pixel.y + side * k;
+      if (row < 0 || row >= textureSize(along, 0).y) continue;
+      vec2 found = vec2(texelFetch(along, ivec2(pixel.x, row), 0).x, side * k);
+      float distance2 = dot(found, found);
+      if (distance2 > least || (distance2 == least && side > 0)) continue;
+      least = distance2;
+      offset = found;
+    }
+  return offset;
 }
+#endif
 
 bool filter_pixel(ivec2 pixel) {
 #if defined(ROWS)
-  out_0 = vec4(nearest_in_row(pixel, textureSize(points, 0)));
-#elif defined(COLUMNS)
-  out_0 = vec4(nearest_in_rows(distances, pixel, textureSize(distances, 0).y));
-#elif defined(OPEN_ROWS)
-  out_0 = vec4(nearest_in_row(pixel, textureSize(distances, 0)));
+  out_0 = vec4(nearest_in_row(pixel));
+#elif defined(NEAREST)
+  vec2 found = nearest_in_rows(pixel);
+  out_0 = found.x == nowhere ? vec4(-1.0) : vec4(vec2(pixel) + found, 0.0, 0.0);
 #else
-  float distance2 = texelFetch(distances, pixel + band, 0).x;
-  bool vouched = distance2 <= beside * beside;
-  float nearest_open = between - beside;
-  if (!vouched && distance2 <= between * between)
-    vouched = nearest_in_rows(open_rows, pixel + band, textureSize(open_rows, 0).y) > nearest_open * nearest_open;
+  pixel += band;
+  vec2 found = nearest_in_rows(pixel), point = texelFetch(nearest, pixel, 0).xy;
+  bool vouched = dot(found, found) <= reach * reach && point.x >= 0.0 &&
+                 dot(point - vec2(pixel), point - vec2(pixel)) <= between * between;
   out_0 = vec4(vouched ? 1.0 : 0.0);
 #endif
   return true;

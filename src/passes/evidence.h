@@ -10,11 +10,11 @@ namespace sfumato {
 
 /// How far from its points a picture may cover anything, px.
 struct EvidenceReach {
-  /// Between points: as far as no empty disc of this radius reaches a pixel, points surround it. That is the
-  /// alpha shape of the points on the screen (Edelsbrunner, Kirkpatrick, Seidel 1983).
+  /// Between points: edges and triangles of their Delaunay triangulation on the screen with an empty circle
+  /// of at most this radius around them, which are their alpha complex (Edelsbrunner, Kirkpatrick, Seidel
+  /// 1983).
   float between = 0;
-  /// As far outside of it, where the discs are smaller by as much around the same centres: outlines are as
-  /// straight as its own. Below `between`.
+  /// As far outside of it. Below `between`.
   float beside = 0;
   /// Beyond that anything counts as near, and nothing has to be looked up.
   static constexpr float most = 96;
@@ -43,8 +43,9 @@ class Evidence {
 
  private:
   PointsToPixels to_pixels_;
-  gl::Texture bits_, along_rows_, distance_, mask_;
-  ScreenPass rows_, columns_, open_rows_, surrounded_, apply_;
+  gl::Texture bits_, along_rows_, nearest_, shape_, mask_;
+  ScreenPass rows_, nearest_of_rows_, widened_, apply_;
+  gl::Program draw_shape_;
 };
 
 }  // namespace sfumato

@@ -3,72 +3,160 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cstdlib>
 
 #include "core/wide.h"
 
 namespace sfumato {
 namespace {
 
-/// Squared distances, px. No sum of two within the reach comes near to `nowhere`.
-using Distances = Image<std::uint16_t>;
-constexpr std::uint16_t nowhere = 40000;
-static_assert(2 * EvidenceReach::most * EvidenceReach::most < nowhere);
-static_assert(nowhere + EvidenceReach::most * EvidenceReach::most <= 65535);
+/// px to the side of a pixel, or `none`.
+using Side = std::int8_t;
+constexpr Side none = 127;
+static_assert(EvidenceReach::most + 2 < none);
 
-/// Along a row to the nearest pixel of those with `is_goal(x)`, no farther than `reach`.
+/// From each pixel of a row to the nearest of those with `is_goal(x)`, no farther than `reach`; to the left
+/// where two are as near.
 template <class IsGoal>
-void along_row(std::uint16_t* out, int width, int reach, const IsGoal& is_goal) {
+void along_row(Side* out, int width, int reach, const IsGoal& is_goal) {
   int since = reach + 1;
   for (int x = 0; x < width; ++x) {
     since = is_goal(x) ? 0 : std::min(since + 1, reach + 1);
-    out[x] = std::uint16_t(since);
+    out[x] = Side(since);
   }
   since = reach + 1;
   for (int x = width - 1; x >= 0; --x) {
-    since = std::min(since + 1, int(out[x]));
-    out[x] = since > reach ? nowhere : std::uint16_t(since * since);
+    const int left = out[x];
+    since = left == 0 ? 0 : std::min(since + 1, reach + 1);
+    out[x] = std::min(left, since) > reach ? none : Side(left <= since ? -left : since);
   }
 }
 
-SFUMATO_WIDE void lower(std::uint16_t* least, const std::uint16_t* row, int width, std::uint16_t farther) {
+/// A squared distance, px, and across how many rows, as one number: the nearest is least, and of those as
+/// near the topmost.
+constexpr std::uint32_t nowhere = 1 << 30;
+constexpr std::uint32_t packed(int distance2, int rows) {
+  return std::uint32_t(distance2 * 256 + rows + 128);
+}
+constexpr int distance2_of(std::uint32_t packed) { return int(packed >> 8); }
+constexpr int rows_of(std::uint32_t packed) { return int(packed & 255) - 128; }
+
+SFUMATO_WIDE void lower(std::uint32_t* least, const Side* row, int width, int rows) {
+  const std::uint32_t across = packed(rows * rows, rows);
   for (int x = 0; x < width; ++x) {
-    const auto distance2 = std::uint16_t(row[x] + farther);
-    least[x] = distance2 < least[x] ? distance2 : least[x];
+    const std::uint32_t along = row[x] == none ? nowhere : std::uint32_t(row[x] * row[x] * 256);
+    least[x] = std::min(least[x], along + across);
   }
 }
 
-/// To the nearest goal, of pixels [first, first + width) of row y, from the distances along all rows.
-void across_rows(const Distances& along, int first, int y, int width, int reach, std::uint16_t* least) {
+/// To the nearest goal of pixels [first, first + width) of row y, from those along all rows.
+void across_rows(const Image<Side>& along, int first, int y, int width, int reach, std::uint32_t* least) {
   std::fill_n(least, width, nowhere);
   for (int k = -reach; k <= reach; ++k)
-    if (y + k >= 0 && y + k < along.height())
-      lower(least, along.row(y + k) + first, width, std::uint16_t(k * k));
+    if (y + k >= 0 && y + k < along.height()) lower(least, along.row(y + k) + first, width, k);
+}
+
+/// The pixel of a point. Negative: there is none as near.
+using Place = glm::i16vec2;
+
+Image<Place> nearest_points(const Image<std::uint32_t>& depth_bits, int reach) {
+  const int width = depth_bits.width(), height = depth_bits.height();
+  Image<Side> along(width, height);
+  tbb::parallel_for(0, height, [&](int y) {
+    along_row(&along.at(0, y), width, reach, [&](int x) { return depth_bits.at(x, y) != 0xffffffffu; });
+  });
+  Image<Place> nearest(width, height);
+  tbb::parallel_for(0, height, [&](int y) {
+    std::vector<std::uint32_t> least(static_cast<std::size_t>(width));
+    across_rows(along, 0, y, width, reach, least.data());
+    for (int x = 0; x < width; ++x) {
+      const std::uint32_t found = least[std::size_t(x)];
+      const int row = y + rows_of(found);
+      nearest.at(x, y) = found < nowhere ? Place(x + along.at(x, row), row) : Place(-1);
+    }
+  });
+  return nearest;
+}
+
+int cross(ivec2 a, ivec2 b) { return a.x * b.y - a.y * b.x; }
+int squared(ivec2 a) { return a.x * a.x + a.y * a.y; }
+int extent(ivec2 a) { return std::max(std::abs(a.x), std::abs(a.y)); }
+
+/// The alpha shape as pixels, which threads add to at once.
+class Shape {
+ public:
+  Shape(int width, int height, float alpha) : pixels_(width, height), alpha2_(alpha * alpha) {}
+  bool has(int x, int y) const { return pixels_.at(x, y) != 0; }
+  void add(ivec2 at) { std::atomic_ref(pixels_.at(at.x, at.y)).store(1, std::memory_order_relaxed); }
+  /// An edge whose smallest circle is around `middle`, doubled.
+  void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
+    const ivec2 along = b - a;
+    const int steps = extent(along);
+    if (steps < 2 || extent(a + b - middle) > 2 || float(squared(along)) > 4 * alpha2_) return;
+    // Halves are rounded up, whichever end is first.
+    for (int k = 1; k < steps; ++k) add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps));
+  }
+  void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
+    const int area = cross(b - a, c - a);
+    if (area == 0) return;
+    if (area < 0) std::swap(b, c);
+    // Its radius is the product of its sides, divided by four times its area.
+    const float sides2 = float(squared(b - a)) * float(squared(c - b)) * float(squared(a - c));
+    if (sides2 > 4 * alpha2_ * (float(area) * float(area))) return;
+    const ivec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
+    if (extent(high - low) < 2) return;
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        const ivec2 p(x, y);
+        if (cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0) add(p);
+      }
+  }
+
+ private:
+  Image<std::uint8_t> pixels_;
+  float alpha2_;
+};
+
+/// Pixels are a triangulation of the plane, and so are the points that they are nearest to: that of Delaunay.
+Shape alpha_shape(const Image<Place>& nearest, float alpha) {
+  Shape shape(nearest.width(), nearest.height(), alpha);
+  tbb::parallel_for(0, nearest.height() - 1, [&](int y) {
+    for (int x = 0; x + 1 < nearest.width(); ++x) {
+      const ivec2 here(nearest.at(x, y)), right(nearest.at(x + 1, y)), below(nearest.at(x, y + 1)),
+          opposite(nearest.at(x + 1, y + 1));
+      if (here == ivec2(x, y)) shape.add(here);
+      if (right.x < 0 || below.x < 0) continue;
+      if (here.x >= 0) {
+        shape.add_triangle(here, right, below);
+        shape.add_edge(here, right, {2 * x + 1, 2 * y});
+        shape.add_edge(here, below, {2 * x, 2 * y + 1});
+      }
+      if (opposite.x >= 0) shape.add_triangle(opposite, right, below);
+    }
+  });
+  return shape;
 }
 
 }  // namespace
 
 Image<std::uint8_t> evidence_by_rows(const Image<std::uint32_t>& depth_bits, int band, int width, int height,
                                      const EvidenceReach& reach) {
-  const int columns = depth_bits.width(), rows = depth_bits.height(), between = int(reach.between);
-  const float between2 = reach.between * reach.between, beside2 = reach.beside * reach.beside;
-  const float open = reach.between - reach.beside;
-  Distances along(columns, rows), distance2(columns, rows);
-  tbb::parallel_for(0, rows, [&](int y) {
-    along_row(&along.at(0, y), columns, between, [&](int x) { return depth_bits.at(x, y) != 0xffffffffu; });
-  });
-  tbb::parallel_for(0, rows, [&](int y) { across_rows(along, 0, y, columns, between, &distance2.at(0, y)); });
-  // From here on to the centres of empty discs.
-  tbb::parallel_for(0, rows, [&](int y) {
-    along_row(&along.at(0, y), columns, between, [&](int x) { return float(distance2.at(x, y)) > between2; });
+  const Image<Place> nearest = nearest_points(depth_bits, int(reach.between) + 2);
+  const Shape shape = alpha_shape(nearest, reach.between);
+  const int beside = int(reach.beside);
+  Image<Side> along(depth_bits.width(), depth_bits.height());
+  tbb::parallel_for(0, along.height(), [&](int y) {
+    along_row(&along.at(0, y), along.width(), beside, [&](int x) { return shape.has(x, y); });
   });
   Image<std::uint8_t> mask(width, height);
   tbb::parallel_for(0, height, [&](int y) {
-    std::vector<std::uint16_t> to_open(static_cast<std::size_t>(width));
-    across_rows(along, band, y + band, width, int(open), to_open.data());
+    std::vector<std::uint32_t> least(static_cast<std::size_t>(width));
+    across_rows(along, band, y + band, width, beside, least.data());
     for (int x = 0; x < width; ++x) {
-      const float own2 = distance2.at(x + band, y + band);
-      const bool vouched =
-          own2 <= beside2 || (own2 <= between2 && float(to_open[std::size_t(x)]) > open * open);
+      const ivec2 pixel = ivec2(x, y) + band, point(nearest.at(pixel.x, pixel.y));
+      const bool vouched = float(distance2_of(least[std::size_t(x)])) <= reach.beside * reach.beside &&
+                           point.x >= 0 && float(squared(point - pixel)) <= reach.between * reach.between;
       mask.at(x, y) = vouched ? 255 : 0;
     }
   });

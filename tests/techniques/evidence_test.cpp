@@ -1,7 +1,10 @@
 // What a picture covers, points must vouch for: which pixels they do, and that every technique that fills
 // keeps to it.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "passes/evidence.h"
 #include "reference/gl_fixture.h"
@@ -13,18 +16,52 @@ namespace {
 
 class EvidenceTest : public GlTest {};
 
-/// Of each pixel, squared, to the nearest one that `is_goal`.
-template <class IsGoal>
-Image<int> squares_of_distances(int width, int height, const IsGoal& is_goal) {
-  Image<int> out(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      int nearest = 1 << 30;
-      for (int v = 0; v < height; ++v)
-        for (int u = 0; u < width; ++u)
-          if (is_goal(u, v)) nearest = std::min(nearest, (u - x) * (u - x) + (v - y) * (v - y));
-      out.at(x, y) = nearest;
+/// The alpha complex by its definition: points, and pairs and triples with an empty circle of at most
+/// `alpha`.
+struct Complex {
+  std::vector<std::array<glm::dvec2, 3>> simplices;  ///< a pair or point repeats its last
+  double distance(glm::dvec2 p) const {
+    double least = 1e9;
+    for (const auto& t : simplices) {
+      int left = 0, right = 0;
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec2 a = t[std::size_t(k)], b = t[std::size_t(k + 1) % 3], along = b - a;
+        const double length2 = glm::dot(along, along);
+        const double at = length2 > 0 ? std::clamp(glm::dot(p - a, along) / length2, 0.0, 1.0) : 0;
+        least = std::min(least, glm::distance(p, a + at * along));
+        const double side = along.x * (p.y - a.y) - along.y * (p.x - a.x);
+        left += side >= 0, right += side <= 0;
+      }
+      if (t[1] != t[2] && (left == 3 || right == 3)) return 0;
     }
+    return least;
+  }
+};
+
+Complex complex_of(const std::vector<glm::dvec2>& points, double alpha) {
+  Complex out;
+  const auto keep_if_empty = [&](glm::dvec2 center, double radius, std::array<glm::dvec2, 3> simplex) {
+    if (!(radius <= alpha)) return;
+    for (const glm::dvec2& p : points)
+      if (glm::distance(p, center) < radius - 1e-9) return;
+    out.simplices.push_back(simplex);
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.simplices.push_back({points[i], points[i], points[i]});
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      const glm::dvec2 a = points[i], b = points[j] - a;
+      keep_if_empty(a + 0.5 * b, 0.5 * glm::length(b), {a, points[j], points[j]});
+      for (std::size_t k = j + 1; k < points.size(); ++k) {
+        const glm::dvec2 c = points[k] - a;
+        const double twice = 2 * (b.x * c.y - b.y * c.x);
+        if (twice == 0) continue;
+        const glm::dvec2 center = glm::dvec2(c.y * glm::dot(b, b) - b.y * glm::dot(c, c),
+                                             b.x * glm::dot(c, c) - c.x * glm::dot(b, b)) /
+                                  twice;
+        keep_if_empty(a + center, glm::length(center), {a, points[j], points[k]});
+      }
+    }
+  }
   return out;
 }
 
@@ -63,39 +100,52 @@ double share_far_from(const PointCloud& cloud, const Camera& camera, const Image
 
 }  // namespace
 
-TEST_F(EvidenceTest, PixelsAreThoseBesideTheShapeOfPoints) {
-  constexpr int size = 72, band = 14;
-  const EvidenceReach reach{6.5f, 2.25f};
+TEST_F(EvidenceTest, PixelsAreThoseBesideTheAlphaComplexOfPoints) {
+  constexpr int size = 110, band = 19;
+  constexpr EvidenceReach reach{6.5f, 2.25f};
+  // A pixel of the complex is at most .71 px beside it. Of four points on nearly one circle a pixel beside
+  // its centre may see either pair of triangles.
+  constexpr double tolerance = 0.75, of_circle = 0.25;
   std::mt19937 random(3);
-  Image<std::uint32_t> bits(size, size);
-  std::fill(bits.begin(), bits.end(), 0xffffffffu);
   std::uniform_int_distribution<int> anywhere(0, size - 1);
-  for (int n = 0; n < 70; ++n) bits.at(anywhere(random), anywhere(random)) = 1;
-  const auto to_points =
-      squares_of_distances(size, size, [&](int x, int y) { return bits.at(x, y) != 0xffffffffu; });
-  const auto to_open =
-      squares_of_distances(size, size, [&](int x, int y) { return to_points.at(x, y) > 6.5 * 6.5; });
-  gl::Texture points("points", GL_R32UI, size, size);
-  points.upload(bits);
-  for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
-    const WithPreference<gl::Place> with(&gl::Preferences::evidence, place);
-    Evidence evidence;
-    const gl::Texture& found = evidence.find(points, band, size - 2 * band - 1, size - 2 * band, reach);
-    const Image<float> mask = found.download<float>();
-    int between = 0, beside = 0, open = 0;
-    for (int y = 0; y < mask.height(); ++y)
-      for (int x = 0; x < mask.width(); ++x) {
-        const int point = to_points.at(x + band, y + band), disc = to_open.at(x + band, y + band);
-        const bool is_vouched = disc > 4.25 * 4.25;
-        EXPECT_EQ(mask.at(x, y) > 0, is_vouched) << x << ' ' << y;
-        if (point <= 2.25 * 2.25) EXPECT_TRUE(is_vouched) << "around a point " << x << ' ' << y;
-        between += disc > 6.5 * 6.5 && point > 9, beside += is_vouched && disc <= 6.5 * 6.5,
-            open += !is_vouched;
+  int inside = 0, outside = 0;
+  for (const int count : {40, 100, 170, 300}) {
+    SCOPED_TRACE(count);
+    Image<std::uint32_t> bits(size, size, 0xffffffffu);
+    for (int n = 0; n < count; ++n) bits.at(anywhere(random), anywhere(random)) = 1;
+    std::vector<glm::dvec2> drawn;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x)
+        if (bits.at(x, y) == 1) drawn.emplace_back(x, y);
+    const Complex less = complex_of(drawn, reach.between - of_circle),
+                  more = complex_of(drawn, reach.between + of_circle);
+    gl::Texture points("points", GL_R32UI, size, size);
+    points.upload(bits);
+    Image<float> masks[2];
+    for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
+      const WithPreference<gl::Place> with(&gl::Preferences::evidence, place);
+      Evidence evidence;
+      masks[place == gl::Place::cpu] =
+          evidence.find(points, band, size - 2 * band - 1, size - 2 * band, reach).download<float>();
+    }
+    EXPECT_TRUE(std::equal(masks[0].begin(), masks[0].end(), masks[1].begin()));
+    for (int y = 0; y < masks[0].height(); ++y)
+      for (int x = 0; x < masks[0].width(); ++x) {
+        const glm::dvec2 pixel(x + band, y + band);
+        double to_point = 1e9;
+        for (const glm::dvec2& point : drawn) to_point = std::min(to_point, glm::distance(point, pixel));
+        const bool is_near = to_point <= reach.between;
+        if (is_near && less.distance(pixel) < reach.beside - tolerance) {
+          ++inside;
+          EXPECT_GT(masks[0].at(x, y), 0) << x << ' ' << y;
+        } else if (!is_near || more.distance(pixel) > reach.beside + tolerance) {
+          ++outside;
+          EXPECT_EQ(masks[0].at(x, y), 0) << x << ' ' << y;
+        }
       }
-    EXPECT_GT(between, 30);
-    EXPECT_GT(beside, 30);
-    EXPECT_GT(open, 100);
   }
+  EXPECT_GT(inside, 4000);
+  EXPECT_GT(outside, 4000);
 }
 
 TEST_F(EvidenceTest, NothingIsCoveredFarFromAllPoints) {

@@ -388,13 +388,15 @@ TEST(StrangersKinds, HeadersWinOverGuessing) {
 }
 
 TEST(StrangersKinds, ARunningNumberIsNoPlace) {
-  std::string numbered, grid;
+  std::string rising, falling, grid;
   for (int i = 1; i <= 300; ++i) {
-    numbered +=
-        std::to_string(i) + " " + std::to_string(i % 17) + ".25 " + std::to_string(i % 5) + ".5 3.5\n";
+    const std::string place = " " + std::to_string(i % 17) + ".25 " + std::to_string(i % 5) + ".5 3.5\n";
+    rising += std::to_string(i) + place;
+    falling += std::to_string(300 - i) + place;
     grid += std::to_string(i % 150) + " " + std::to_string(i / 150) + ".5 0.5 3.5\n";
   }
-  EXPECT_EQ(read_text(numbered).report.bounds_max.x, 16.25);
+  EXPECT_EQ(read_text(rising).report.bounds_max.x, 16.25);
+  EXPECT_EQ(read_text(falling).report.bounds_max.x, 16.25);
   EXPECT_EQ(read_text(grid).report.bounds_max.x, 149);
 }
 

@@ -1,0 +1,58 @@
+// The alpha shape of evidence.h as pixels: of three pixels that touch each other the nearest points are a
+// triangle of Delaunay, or coincide, because pixels are a triangulation of the plane.
+#include "bindings.glsl"
+#include "work_groups.glsl"
+
+layout(local_size_x = 16, local_size_y = 8) in;
+layout(binding = UNIT_INPUT) uniform sampler2D nearest;  // pixel of the nearest point, or -1
+layout(r32ui, binding = 0) writeonly uniform uimage2D shape;
+uniform float alpha;  // px: largest circle around an edge or triangle
+
+int cross2(ivec2 a, ivec2 b) { return a.x * b.y - a.y * b.x; }
+float squared(ivec2 a) { return float(a.x * a.x + a.y * a.y); }
+int extent(ivec2 a) { return max(abs(a.x), abs(a.y)); }
+void add(ivec2 at) { imageStore(shape, at, uvec4(0u)); }
+
+// An edge whose smallest circle is around `middle`, doubled.
+void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
+  ivec2 along = b - a;
+  int steps = extent(along);
+  if (steps < 2 || extent(a + b - middle) > 2 || squared(along) > 4.0 * (alpha * alpha)) return;
+  // Halves are rounded up, whichever end is first.
+  for (int k = 1; k < steps; ++k) add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps));
+}
+
+void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
+  int area = cross2(b - a, c - a);  // twice
+  if (area == 0) return;
+  // Its radius is the product of its sides, divided by twice that.
+  float sides2 = squared(b - a) * squared(c - b) * squared(a - c);
+  if (sides2 > 4.0 * (alpha * alpha) * (float(area) * float(area))) return;
+  ivec2 low = min(a, min(b, c)), high = max(a, max(b, c));
+  if (extent(high - low) < 2) return;
+  int turn = area < 0 ? -1 : 1;
+  for (int y = low.y; y <= high.y; ++y)
+    for (int x = low.x; x <= high.x; ++x) {
+      ivec2 p = ivec2(x, y);
+      if (turn * cross2(b - a, p - a) >= 0 && turn * cross2(c - b, p - b) >= 0 &&
+          turn * cross2(a - c, p - c) >= 0)
+        add(p);
+    }
+}
+
+ivec2 point_near(ivec2 pixel) { return ivec2(texelFetch(nearest, pixel, 0).xy); }
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.x, group_row() * 8u + gl_LocalInvocationID.y);
+  if (any(greaterThanEqual(pixel + 1, textureSize(nearest, 0)))) return;
+  ivec2 here = point_near(pixel), right = point_near(pixel + ivec2(1, 0)),
+        below = point_near(pixel + ivec2(0, 1)), opposite = point_near(pixel + 1);
+  if (here == pixel) add(pixel);
+  if (right.x < 0 || below.x < 0) return;
+  if (here.x >= 0) {
+    add_triangle(here, right, below);
+    add_edge(here, right, 2 * pixel + ivec2(1, 0));
+    add_edge(here, below, 2 * pixel + ivec2(0, 1));
+  }
+  if (opposite.x >= 0) add_triangle(opposite, right, below);
+}
