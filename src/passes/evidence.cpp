@@ -13,9 +13,7 @@ namespace sfumato {
 namespace {
 
 /// A pixel may lie beside a triangle, whose circle has its centre as far away as its points from that.
-int band_of(const EvidenceReach& reach) {
-  return 2 * int(std::ceil(reach.between)) + int(std::ceil(reach.beside)) + 2;
-}
+int band_of(const EvidenceReach& reach) { return 2 * reach.to_circle() + int(std::ceil(reach.beside)); }
 
 }  // namespace
 
@@ -58,12 +56,12 @@ const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int w
   const int wide = depth_bits.width(), high = depth_bits.height();
   gl::ensure(along_rows_, "distances along rows", GL_R32F, wide, high);
   gl::ensure(nearest_, "nearest points", GL_RG32F, wide, high);
-  gl::ensure(shape_, "alpha shape", GL_R32UI, wide, high);
+  gl::ensure(shape_, "complex of points", GL_R32UI, wide, high);
   const auto make = [](ScreenPass& pass, const char* step, GLenum format) -> ScreenPass& {
     if (!pass) pass = ScreenPass("passes/evidence.glsl", {format}, {step});
     return pass;
   };
-  const float to_circle = std::floor(reach.between) + 2;  // from a pixel beside the centre of a circle
+  const float to_circle = float(reach.to_circle());
   make(rows_, "ROWS", GL_R32F).set("reach", to_circle).run({&depth_bits}, {&along_rows_});
   make(nearest_of_rows_, "NEAREST", GL_RG32F).set("reach", to_circle).run({&along_rows_}, {&nearest_});
 
@@ -71,7 +69,7 @@ const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int w
   shape_.clear_uint(0xffffffff);
   nearest_.bind(binding::input);
   shape_.bind_image(0, GL_WRITE_ONLY);
-  draw_shape_.set("alpha", reach.between).dispatch(unsigned(wide + 15) / 16, unsigned(high + 7) / 8);
+  draw_shape_.set("radius", reach.between).dispatch(unsigned(wide + 15) / 16, unsigned(high + 7) / 8);
   gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 
   rows_.set("reach", reach.beside).run({&shape_}, {&along_rows_});

@@ -10,15 +10,18 @@ namespace sfumato {
 
 /// How far from its points a picture may cover anything, px.
 struct EvidenceReach {
-  /// Between points: edges and triangles of their Delaunay triangulation on the screen with an empty circle
-  /// of at most this radius around them, which are their alpha complex (Edelsbrunner, Kirkpatrick, Seidel
-  /// 1983).
+  /// Between points: edges and triangles of their Delaunay triangulation on the screen that a circle of this
+  /// radius can enclose. They have the parts and holes of the alpha shape, and straighter outlines (the
+  /// Delaunay-Cech complex; Bauer, Edelsbrunner 2017).
   float between = 0;
   /// As far outside of it. Below `between`.
   float beside = 0;
   /// Beyond that anything counts as near, and nothing has to be looked up.
   static constexpr float most = 96;
   bool limits() const { return between > 0 && between <= most; }
+  /// How far points are looked for from the centre of the circle through a triangle, px. Obtuse ones of
+  /// larger circles are less than a quarter of `between` high.
+  constexpr int to_circle() const { return int(2 * between) + 2; }
   /// Whether discs of this radius reach visibly farther: dense points have none.
   bool limits(float radius_px) const { return limits() && radius_px > beside + 1; }
 };

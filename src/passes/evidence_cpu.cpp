@@ -12,9 +12,8 @@ namespace sfumato {
 namespace {
 
 /// px to the side of a pixel, or `none`.
-using Side = std::int8_t;
-constexpr Side none = 127;
-static_assert(EvidenceReach::most + 2 < none);
+using Side = std::int16_t;
+constexpr Side none = 1000;
 
 /// From each pixel of a row to the nearest of those with `is_goal(x)`, no farther than `reach`; to the left
 /// where two are as near.
@@ -36,16 +35,19 @@ void along_row(Side* out, int width, int reach, const IsGoal& is_goal) {
 /// A squared distance, px, and across how many rows, as one number: the nearest is least, and of those as
 /// near the topmost.
 constexpr std::uint32_t nowhere = 1 << 30;
+constexpr int most_rows = 255;
+static_assert(EvidenceReach{EvidenceReach::most}.to_circle() <= most_rows);
+static_assert(most_rows < none && 2 * most_rows * most_rows * 512 + 511 < nowhere);
 constexpr std::uint32_t packed(int distance2, int rows) {
-  return std::uint32_t(distance2 * 256 + rows + 128);
+  return std::uint32_t(distance2 * 512 + rows + 256);
 }
-constexpr int distance2_of(std::uint32_t packed) { return int(packed >> 8); }
-constexpr int rows_of(std::uint32_t packed) { return int(packed & 255) - 128; }
+constexpr int distance2_of(std::uint32_t packed) { return int(packed >> 9); }
+constexpr int rows_of(std::uint32_t packed) { return int(packed & 511) - 256; }
 
 SFUMATO_WIDE void lower(std::uint32_t* least, const Side* row, int width, int rows) {
   const std::uint32_t across = packed(rows * rows, rows);
   for (int x = 0; x < width; ++x) {
-    const std::uint32_t along = row[x] == none ? nowhere : std::uint32_t(row[x] * row[x] * 256);
+    const std::uint32_t along = row[x] == none ? nowhere : std::uint32_t(row[x] * row[x] * 512);
     least[x] = std::min(least[x], along + across);
   }
 }
@@ -83,27 +85,31 @@ int cross(ivec2 a, ivec2 b) { return a.x * b.y - a.y * b.x; }
 int squared(ivec2 a) { return a.x * a.x + a.y * a.y; }
 int extent(ivec2 a) { return std::max(std::abs(a.x), std::abs(a.y)); }
 
-/// The alpha shape as pixels, which threads add to at once.
+/// The complex as pixels, which threads add to at once.
 class Shape {
  public:
-  Shape(int width, int height, float alpha) : pixels_(width, height), alpha2_(alpha * alpha) {}
+  Shape(int width, int height, float radius) : pixels_(width, height), radius2_(radius * radius) {}
   bool has(int x, int y) const { return pixels_.at(x, y) != 0; }
   void add(ivec2 at) { std::atomic_ref(pixels_.at(at.x, at.y)).store(1, std::memory_order_relaxed); }
   /// An edge whose smallest circle is around `middle`, doubled.
   void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
     const ivec2 along = b - a;
     const int steps = extent(along);
-    if (steps < 2 || extent(a + b - middle) > 2 || float(squared(along)) > 4 * alpha2_) return;
+    if (steps < 2 || extent(a + b - middle) > 2 || float(squared(along)) > 4 * radius2_) return;
     // Halves are rounded up, whichever end is first.
     for (int k = 1; k < steps; ++k) add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps));
   }
   void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
-    const int area = cross(b - a, c - a);
+    const int area = cross(b - a, c - a);  // twice
     if (area == 0) return;
     if (area < 0) std::swap(b, c);
-    // Its radius is the product of its sides, divided by four times its area.
-    const float sides2 = float(squared(b - a)) * float(squared(c - b)) * float(squared(a - c));
-    if (sides2 > 4 * alpha2_ * (float(area) * float(area))) return;
+    const float ab = float(squared(b - a)), bc = float(squared(c - b)), ca = float(squared(a - c)),
+                longest = std::max({ab, bc, ca});
+    // Around an obtuse one that of its longest side, else that through all three, whose radius is the product
+    // of the sides divided by four times the area.
+    const bool is_obtuse = 2 * longest > ab + bc + ca;
+    if (is_obtuse ? longest > 4 * radius2_ : ab * bc * ca > 4 * radius2_ * (float(area) * float(area)))
+      return;
     const ivec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
     if (extent(high - low) < 2) return;
     for (int y = low.y; y <= high.y; ++y)
@@ -115,12 +121,12 @@ class Shape {
 
  private:
   Image<std::uint8_t> pixels_;
-  float alpha2_;
+  float radius2_;
 };
 
 /// Pixels are a triangulation of the plane, and so are the points that they are nearest to: that of Delaunay.
-Shape alpha_shape(const Image<Place>& nearest, float alpha) {
-  Shape shape(nearest.width(), nearest.height(), alpha);
+Shape complex_of(const Image<Place>& nearest, float radius) {
+  Shape shape(nearest.width(), nearest.height(), radius);
   tbb::parallel_for(0, nearest.height() - 1, [&](int y) {
     for (int x = 0; x + 1 < nearest.width(); ++x) {
       const ivec2 here(nearest.at(x, y)), right(nearest.at(x + 1, y)), below(nearest.at(x, y + 1)),
@@ -142,8 +148,8 @@ Shape alpha_shape(const Image<Place>& nearest, float alpha) {
 
 Image<std::uint8_t> evidence_by_rows(const Image<std::uint32_t>& depth_bits, int band, int width, int height,
                                      const EvidenceReach& reach) {
-  const Image<Place> nearest = nearest_points(depth_bits, int(reach.between) + 2);
-  const Shape shape = alpha_shape(nearest, reach.between);
+  const Image<Place> nearest = nearest_points(depth_bits, reach.to_circle());
+  const Shape shape = complex_of(nearest, reach.between);
   const int beside = int(reach.beside);
   Image<Side> along(depth_bits.width(), depth_bits.height());
   tbb::parallel_for(0, along.height(), [&](int y) {

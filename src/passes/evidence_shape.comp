@@ -1,4 +1,4 @@
-// The alpha shape of evidence.h as pixels: of three pixels that touch each other the nearest points are a
+// The complex of evidence.h as pixels: of three pixels that touch each other the nearest points are a
 // triangle of Delaunay, or coincide, because pixels are a triangulation of the plane.
 #include "bindings.glsl"
 #include "work_groups.glsl"
@@ -6,7 +6,7 @@
 layout(local_size_x = 16, local_size_y = 8) in;
 layout(binding = UNIT_INPUT) uniform sampler2D nearest;  // pixel of the nearest point, or -1
 layout(r32ui, binding = 0) writeonly uniform uimage2D shape;
-uniform float alpha;  // px: largest circle around an edge or triangle
+uniform float radius;  // px: of the largest circle around an edge or triangle
 
 int cross2(ivec2 a, ivec2 b) { return a.x * b.y - a.y * b.x; }
 float squared(ivec2 a) { return float(a.x * a.x + a.y * a.y); }
@@ -17,7 +17,7 @@ void add(ivec2 at) { imageStore(shape, at, uvec4(0u)); }
 void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
   ivec2 along = b - a;
   int steps = extent(along);
-  if (steps < 2 || extent(a + b - middle) > 2 || squared(along) > 4.0 * (alpha * alpha)) return;
+  if (steps < 2 || extent(a + b - middle) > 2 || squared(along) > 4.0 * (radius * radius)) return;
   // Halves are rounded up, whichever end is first.
   for (int k = 1; k < steps; ++k) add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps));
 }
@@ -25,9 +25,13 @@ void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
 void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
   int area = cross2(b - a, c - a);  // twice
   if (area == 0) return;
-  // Its radius is the product of its sides, divided by twice that.
-  float sides2 = squared(b - a) * squared(c - b) * squared(a - c);
-  if (sides2 > 4.0 * (alpha * alpha) * (float(area) * float(area))) return;
+  float ab = squared(b - a), bc = squared(c - b), ca = squared(a - c), longest = max(ab, max(bc, ca));
+  // Around an obtuse one that of its longest side, else that through all three, whose radius is the product of
+  // the sides divided by four times the area.
+  bool is_obtuse = 2.0 * longest > ab + bc + ca;
+  if (is_obtuse ? longest > 4.0 * (radius * radius)
+                : ab * bc * ca > 4.0 * (radius * radius) * (float(area) * float(area)))
+    return;
   ivec2 low = min(a, min(b, c)), high = max(a, max(b, c));
   if (extent(high - low) < 2) return;
   int turn = area < 0 ? -1 : 1;

@@ -16,8 +16,7 @@ namespace {
 
 class EvidenceTest : public GlTest {};
 
-/// The alpha complex by its definition: points, and pairs and triples with an empty circle of at most
-/// `alpha`.
+/// Points, and what a small circle can enclose of the edges and triangles of their Delaunay triangulation.
 struct Complex {
   std::vector<std::array<glm::dvec2, 3>> simplices;  ///< a pair or point repeats its last
   double distance(glm::dvec2 p) const {
@@ -38,27 +37,32 @@ struct Complex {
   }
 };
 
-Complex complex_of(const std::vector<glm::dvec2>& points, double alpha) {
+/// By the definition: an empty circle goes through pairs and triples. `through`: the largest of these looked
+/// for. `clear`: how far from it all other points are; below 0 how far in it they may be.
+Complex complex_of(const std::vector<glm::dvec2>& points, double around, double through, double clear) {
   Complex out;
   const auto keep_if_empty = [&](glm::dvec2 center, double radius, std::array<glm::dvec2, 3> simplex) {
-    if (!(radius <= alpha)) return;
+    if (!(radius <= through)) return;
     for (const glm::dvec2& p : points)
-      if (glm::distance(p, center) < radius - 1e-9) return;
+      if (glm::distance(p, center) < radius + clear && std::ranges::count(simplex, p) == 0) return;
     out.simplices.push_back(simplex);
   };
   for (std::size_t i = 0; i < points.size(); ++i) {
     out.simplices.push_back({points[i], points[i], points[i]});
     for (std::size_t j = i + 1; j < points.size(); ++j) {
       const glm::dvec2 a = points[i], b = points[j] - a;
-      keep_if_empty(a + 0.5 * b, 0.5 * glm::length(b), {a, points[j], points[j]});
+      const double ab = glm::dot(b, b);
+      if (ab > 4 * around * around) continue;
+      keep_if_empty(a + 0.5 * b, 0.5 * std::sqrt(ab), {a, points[j], points[j]});
       for (std::size_t k = j + 1; k < points.size(); ++k) {
         const glm::dvec2 c = points[k] - a;
-        const double twice = 2 * (b.x * c.y - b.y * c.x);
+        const double ca = glm::dot(c, c), bc = glm::dot(c - b, c - b), longest = std::max({ab, bc, ca}),
+                     twice = 2 * (b.x * c.y - b.y * c.x);
         if (twice == 0) continue;
-        const glm::dvec2 center = glm::dvec2(c.y * glm::dot(b, b) - b.y * glm::dot(c, c),
-                                             b.x * glm::dot(c, c) - c.x * glm::dot(b, b)) /
-                                  twice;
-        keep_if_empty(a + center, glm::length(center), {a, points[j], points[k]});
+        const glm::dvec2 center = glm::dvec2(c.y * ab - b.y * ca, b.x * ca - c.x * ab) / twice;
+        const double enclosing =
+            longest >= ab + bc + ca - longest ? 0.5 * std::sqrt(longest) : glm::length(center);
+        if (enclosing <= around) keep_if_empty(a + center, glm::length(center), {a, points[j], points[k]});
       }
     }
   }
@@ -100,12 +104,12 @@ double share_far_from(const PointCloud& cloud, const Camera& camera, const Image
 
 }  // namespace
 
-TEST_F(EvidenceTest, PixelsAreThoseBesideTheAlphaComplexOfPoints) {
-  constexpr int size = 110, band = 19;
+TEST_F(EvidenceTest, PixelsAreThoseBesideTheComplexOfPoints) {
+  constexpr int size = 138, band = 33;
   constexpr EvidenceReach reach{6.5f, 2.25f};
-  // A pixel of the complex is at most .71 px beside it. Of four points on nearly one circle a pixel beside
-  // its centre may see either pair of triangles.
-  constexpr double tolerance = 0.75, of_circle = 0.25;
+  // From the complex to a pixel of it, and from the centre of a circle to the farthest of the four pixels
+  // around it: of four points on nearly one circle either pair of triangles may be seen there.
+  constexpr double to_pixel = 0.71, to_four = 1.42;
   std::mt19937 random(3);
   std::uniform_int_distribution<int> anywhere(0, size - 1);
   int inside = 0, outside = 0;
@@ -117,8 +121,8 @@ TEST_F(EvidenceTest, PixelsAreThoseBesideTheAlphaComplexOfPoints) {
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x)
         if (bits.at(x, y) == 1) drawn.emplace_back(x, y);
-    const Complex less = complex_of(drawn, reach.between - of_circle),
-                  more = complex_of(drawn, reach.between + of_circle);
+    const Complex less = complex_of(drawn, reach.between, 2 * reach.between, to_four),
+                  more = complex_of(drawn, reach.between, 1e9, -to_four);
     gl::Texture points("points", GL_R32UI, size, size);
     points.upload(bits);
     Image<float> masks[2];
@@ -135,10 +139,10 @@ TEST_F(EvidenceTest, PixelsAreThoseBesideTheAlphaComplexOfPoints) {
         double to_point = 1e9;
         for (const glm::dvec2& point : drawn) to_point = std::min(to_point, glm::distance(point, pixel));
         const bool is_near = to_point <= reach.between;
-        if (is_near && less.distance(pixel) < reach.beside - tolerance) {
+        if (is_near && less.distance(pixel) < reach.beside - to_pixel) {
           ++inside;
           EXPECT_GT(masks[0].at(x, y), 0) << x << ' ' << y;
-        } else if (!is_near || more.distance(pixel) > reach.beside + tolerance) {
+        } else if (!is_near || more.distance(pixel) > reach.beside + to_pixel) {
           ++outside;
           EXPECT_EQ(masks[0].at(x, y), 0) << x << ' ' << y;
         }
