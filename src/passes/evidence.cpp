@@ -1,5 +1,6 @@
 #include "passes/evidence.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gl/commands.h"
@@ -13,7 +14,9 @@ namespace sfumato {
 namespace {
 
 /// A pixel may lie beside a triangle, whose circle has its centre as far away as its points from that.
-int band_of(const EvidenceReach& reach) { return 2 * reach.to_circle() + int(std::ceil(reach.beside)); }
+int band_of(const EvidenceReach& reach) {
+  return 2 * reach.to_circle() + int(std::ceil(std::max(reach.beside, reach.around)));
+}
 
 }  // namespace
 
@@ -54,26 +57,26 @@ const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int w
     return mask_;
   }
   const int wide = depth_bits.width(), high = depth_bits.height();
-  gl::ensure(along_rows_, "distances along rows", GL_R32F, wide, high);
+  gl::ensure(along_rows_, "distances along rows", GL_RG32F, wide, high);
   gl::ensure(nearest_, "nearest points", GL_RG32F, wide, high);
   gl::ensure(shape_, "complex of points", GL_R32UI, wide, high);
   const auto make = [](ScreenPass& pass, const char* step, GLenum format) -> ScreenPass& {
     if (!pass) pass = ScreenPass("passes/evidence.glsl", {format}, {step});
     return pass;
   };
-  const float to_circle = float(reach.to_circle());
-  make(rows_, "ROWS", GL_R32F).set("reach", to_circle).run({&depth_bits}, {&along_rows_});
+  const vec2 to_circle(float(reach.to_circle())), to_shape(reach.beside, reach.around);
+  make(rows_, "ROWS", GL_RG32F).set("reach", to_circle).run({&depth_bits}, {&along_rows_});
   make(nearest_of_rows_, "NEAREST", GL_RG32F).set("reach", to_circle).run({&along_rows_}, {&nearest_});
 
   if (!draw_shape_) draw_shape_ = gl::Program::compute("passes/evidence_shape.comp");
-  shape_.clear_uint(0xffffffff);
+  shape_.clear_uint(0);
   nearest_.bind(binding::input);
-  shape_.bind_image(0, GL_WRITE_ONLY);
+  shape_.bind_image(0, GL_READ_WRITE);
   draw_shape_.set("radius", reach.between).dispatch(unsigned(wide + 15) / 16, unsigned(high + 7) / 8);
   gl::barrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 
-  rows_.set("reach", reach.beside).run({&shape_}, {&along_rows_});
-  make(widened_, "WIDENED", GL_R8).set("reach", reach.beside).set("between", reach.between);
+  make(rows_of_shape_, "ROWS_OF_SHAPE", GL_RG32F).set("reach", to_shape).run({&shape_}, {&along_rows_});
+  make(widened_, "WIDENED", GL_R8).set("reach", to_shape).set("between", reach.between);
   widened_.set("band", band).run({&along_rows_, &nearest_}, {&mask_});
   return mask_;
 }

@@ -14,8 +14,9 @@ struct EvidenceReach {
   /// radius can enclose. They have the parts and holes of the alpha shape, and straighter outlines (the
   /// Delaunay-Cech complex; Bauer, Edelsbrunner 2017).
   float between = 0;
-  /// As far outside of it. Below `between`.
-  float beside = 0;
+  /// As far outside of its triangles, and around what is in none of them: lone points and edges. No farther
+  /// than `between` from all points, below which both are.
+  float beside = 0, around = 0;
   /// Beyond that anything counts as near, and nothing has to be looked up.
   static constexpr float most = 96;
   bool limits() const { return between > 0 && between <= most; }
@@ -47,7 +48,7 @@ class Evidence {
  private:
   PointsToPixels to_pixels_;
   gl::Texture bits_, along_rows_, nearest_, shape_, mask_;
-  ScreenPass rows_, nearest_of_rows_, widened_, apply_;
+  ScreenPass rows_, nearest_of_rows_, rows_of_shape_, widened_, apply_;
   gl::Program draw_shape_;
 };
 

@@ -88,16 +88,16 @@ int extent(ivec2 a) { return std::max(std::abs(a.x), std::abs(a.y)); }
 /// The complex as pixels, which threads add to at once.
 class Shape {
  public:
+  enum Part : std::uint8_t { of_edge = 1, of_triangle = 2 };
   Shape(int width, int height, float radius) : pixels_(width, height), radius2_(radius * radius) {}
-  bool has(int x, int y) const { return pixels_.at(x, y) != 0; }
-  void add(ivec2 at) { std::atomic_ref(pixels_.at(at.x, at.y)).store(1, std::memory_order_relaxed); }
+  bool in_triangle(int x, int y) const { return pixels_.at(x, y) >= of_triangle; }
+  bool is_lone(int x, int y) const { return pixels_.at(x, y) == of_edge; }
+  void add(ivec2 at, Part part) {
+    std::atomic_ref(pixels_.at(at.x, at.y)).fetch_or(part, std::memory_order_relaxed);
+  }
   /// An edge whose smallest circle is around `middle`, doubled.
   void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
-    const ivec2 along = b - a;
-    const int steps = extent(along);
-    if (steps < 2 || extent(a + b - middle) > 2 || float(squared(along)) > 4 * radius2_) return;
-    // Halves are rounded up, whichever end is first.
-    for (int k = 1; k < steps; ++k) add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps));
+    if (extent(a + b - middle) <= 2 && float(squared(b - a)) <= 4 * radius2_) add_line(a, b, of_edge);
   }
   void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
     const int area = cross(b - a, c - a);  // twice
@@ -110,16 +110,27 @@ class Shape {
     const bool is_obtuse = 2 * longest > ab + bc + ca;
     if (is_obtuse ? longest > 4 * radius2_ : ab * bc * ca > 4 * radius2_ * (float(area) * float(area)))
       return;
+    add_line(a, b, of_triangle);
+    add_line(b, c, of_triangle);
+    add_line(c, a, of_triangle);
     const ivec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
-    if (extent(high - low) < 2) return;
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         const ivec2 p(x, y);
-        if (cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0) add(p);
+        if (cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0)
+          add(p, of_triangle);
       }
   }
 
  private:
+  void add_line(ivec2 a, ivec2 b, Part part) {
+    const ivec2 along = b - a;
+    const int steps = extent(along);
+    // Halves are rounded up, whichever end is first.
+    for (int k = 1; k < steps; ++k)
+      add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps), part);
+  }
+
   Image<std::uint8_t> pixels_;
   float radius2_;
 };
@@ -131,7 +142,7 @@ Shape complex_of(const Image<Place>& nearest, float radius) {
     for (int x = 0; x + 1 < nearest.width(); ++x) {
       const ivec2 here(nearest.at(x, y)), right(nearest.at(x + 1, y)), below(nearest.at(x, y + 1)),
           opposite(nearest.at(x + 1, y + 1));
-      if (here == ivec2(x, y)) shape.add(here);
+      if (here == ivec2(x, y)) shape.add(here, Shape::of_edge);
       if (right.x < 0 || below.x < 0) continue;
       if (here.x >= 0) {
         shape.add_triangle(here, right, below);
@@ -150,22 +161,25 @@ Image<std::uint8_t> evidence_by_rows(const Image<std::uint32_t>& depth_bits, int
                                      const EvidenceReach& reach) {
   const Image<Place> nearest = nearest_points(depth_bits, reach.to_circle());
   const Shape shape = complex_of(nearest, reach.between);
-  const int beside = int(reach.beside);
   Image<Side> along(depth_bits.width(), depth_bits.height());
-  tbb::parallel_for(0, along.height(), [&](int y) {
-    along_row(&along.at(0, y), along.width(), beside, [&](int x) { return shape.has(x, y); });
-  });
   Image<std::uint8_t> mask(width, height);
-  tbb::parallel_for(0, height, [&](int y) {
-    std::vector<std::uint32_t> least(static_cast<std::size_t>(width));
-    across_rows(along, band, y + band, width, beside, least.data());
-    for (int x = 0; x < width; ++x) {
-      const ivec2 pixel = ivec2(x, y) + band, point(nearest.at(pixel.x, pixel.y));
-      const bool vouched = float(distance2_of(least[std::size_t(x)])) <= reach.beside * reach.beside &&
-                           point.x >= 0 && float(squared(point - pixel)) <= reach.between * reach.between;
-      mask.at(x, y) = vouched ? 255 : 0;
-    }
-  });
+  const auto widen = [&](float by, const auto& is_part) {
+    tbb::parallel_for(0, along.height(), [&](int y) {
+      along_row(&along.at(0, y), along.width(), int(by), [&](int x) { return is_part(x, y); });
+    });
+    tbb::parallel_for(0, height, [&](int y) {
+      std::vector<std::uint32_t> least(static_cast<std::size_t>(width));
+      across_rows(along, band, y + band, width, int(by), least.data());
+      for (int x = 0; x < width; ++x) {
+        const ivec2 pixel = ivec2(x, y) + band, point(nearest.at(pixel.x, pixel.y));
+        const bool vouched = float(distance2_of(least[std::size_t(x)])) <= by * by && point.x >= 0 &&
+                             float(squared(point - pixel)) <= reach.between * reach.between;
+        if (vouched) mask.at(x, y) = 255;
+      }
+    });
+  };
+  widen(reach.beside, [&](int x, int y) { return shape.in_triangle(x, y); });
+  widen(reach.around, [&](int x, int y) { return shape.is_lone(x, y); });
   return mask;
 }
 

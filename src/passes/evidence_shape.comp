@@ -5,42 +5,50 @@
 
 layout(local_size_x = 16, local_size_y = 8) in;
 layout(binding = UNIT_INPUT) uniform sampler2D nearest;  // pixel of the nearest point, or -1
-layout(r32ui, binding = 0) writeonly uniform uimage2D shape;
+layout(r32ui, binding = 0) uniform uimage2D shape;  // bits
 uniform float radius;  // px: of the largest circle around an edge or triangle
+
+const uint of_edge = 1u, of_triangle = 2u;
 
 int cross2(ivec2 a, ivec2 b) { return a.x * b.y - a.y * b.x; }
 float squared(ivec2 a) { return float(a.x * a.x + a.y * a.y); }
 int extent(ivec2 a) { return max(abs(a.x), abs(a.y)); }
-void add(ivec2 at) { imageStore(shape, at, uvec4(0u)); }
+void add(ivec2 at, uint part) { imageAtomicOr(shape, at, part); }
+
+void add_line(ivec2 a, ivec2 b, uint part) {
+  ivec2 along = b - a;
+  int steps = extent(along);
+  // Halves are rounded up, whichever end is first.
+  for (int k = 1; k < steps; ++k)
+    add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps), part);
+}
 
 // An edge whose smallest circle is around `middle`, doubled.
 void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
-  ivec2 along = b - a;
-  int steps = extent(along);
-  if (steps < 2 || extent(a + b - middle) > 2 || squared(along) > 4.0 * (radius * radius)) return;
-  // Halves are rounded up, whichever end is first.
-  for (int k = 1; k < steps; ++k) add(a - steps + (2 * (along * k + steps * steps) + steps) / (2 * steps));
+  if (extent(a + b - middle) <= 2 && squared(b - a) <= 4.0 * (radius * radius)) add_line(a, b, of_edge);
 }
 
 void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
   int area = cross2(b - a, c - a);  // twice
   if (area == 0) return;
   float ab = squared(b - a), bc = squared(c - b), ca = squared(a - c), longest = max(ab, max(bc, ca));
-  // Around an obtuse one that of its longest side, else that through all three, whose radius is the product of
-  // the sides divided by four times the area.
+  // Around an obtuse one that of its longest side, else that through all three, whose radius is the product
+  // of the sides divided by four times the area.
   bool is_obtuse = 2.0 * longest > ab + bc + ca;
   if (is_obtuse ? longest > 4.0 * (radius * radius)
                 : ab * bc * ca > 4.0 * (radius * radius) * (float(area) * float(area)))
     return;
+  add_line(a, b, of_triangle);
+  add_line(b, c, of_triangle);
+  add_line(c, a, of_triangle);
   ivec2 low = min(a, min(b, c)), high = max(a, max(b, c));
-  if (extent(high - low) < 2) return;
   int turn = area < 0 ? -1 : 1;
   for (int y = low.y; y <= high.y; ++y)
     for (int x = low.x; x <= high.x; ++x) {
       ivec2 p = ivec2(x, y);
       if (turn * cross2(b - a, p - a) >= 0 && turn * cross2(c - b, p - b) >= 0 &&
           turn * cross2(a - c, p - c) >= 0)
-        add(p);
+        add(p, of_triangle);
     }
 }
 
@@ -51,7 +59,7 @@ void main() {
   if (any(greaterThanEqual(pixel + 1, textureSize(nearest, 0)))) return;
   ivec2 here = point_near(pixel), right = point_near(pixel + ivec2(1, 0)),
         below = point_near(pixel + ivec2(0, 1)), opposite = point_near(pixel + 1);
-  if (here == pixel) add(pixel);
+  if (here == pixel) add(pixel, of_edge);
   if (right.x < 0 || below.x < 0) return;
   if (here.x >= 0) {
     add_triangle(here, right, below);

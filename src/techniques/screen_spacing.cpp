@@ -20,12 +20,13 @@ EvidenceReach evidence_reach(const ScreenSpacing& spacing, int height) {
   // An empty disc of so many spacings is no chance in a random sample (exp(-pi 2.2^2) = 2.5e-7); of 1.7 it is
   // (1e-4), and as all of it is open, .4 % of a random wall would be.
   constexpr float widest_gap = 2.2f;
-  // The cell of a point on an outline ends half a spacing outside. Nearer than 4 px outlines would follow the
-  // chance by which points lie there.
-  constexpr float of_cell = 0.5f, least = 0.5f;
-  const float widest = widest_disc_px({}, height);
-  return {std::max(between * widest, widest_gap * spacing.median_px),
-          std::min(widest, std::max(least * widest, of_cell * spacing.median_px))};
+  // The cell of a point on an outline ends half a spacing outside, 1 px or more, of 720 lines. What is in no
+  // triangle is as wide as what stands for a point there: 4 px or more.
+  constexpr float of_cell = 0.5f, least_beside = 1.0f / 8, least_around = 0.5f;
+  const float widest = widest_disc_px({}, height), cell = of_cell * spacing.median_px;
+  return {.between = std::max(between * widest, widest_gap * spacing.median_px),
+          .beside = std::min(widest, std::max(least_beside * widest, cell)),
+          .around = std::min(widest, std::max(least_around * widest, cell))};
 }
 
 float ScreenSpacings::widest_disc_px(const Frame& frame) {
@@ -92,7 +93,7 @@ std::optional<EvidenceReach> DiscEvidence::reach_of(const Frame& frame, ScreenSp
   const float scale = std::max(1.0f, radius_scale / usual_scale);
   const ScreenSpacing spacing = spacings.measure(frame.cloud, frame.views);
   EvidenceReach reach = evidence_reach(spacing, frame.camera.whole_height());
-  reach.beside *= scale, reach.between *= scale;
+  reach.between *= scale, reach.beside *= scale, reach.around *= scale;
   if (!reach.limits(spacing.largest_px * usual_spacings * scale)) return std::nullopt;
   return reach;
 }

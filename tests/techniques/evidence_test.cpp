@@ -106,7 +106,7 @@ double share_far_from(const PointCloud& cloud, const Camera& camera, const Image
 
 TEST_F(EvidenceTest, PixelsAreThoseBesideTheComplexOfPoints) {
   constexpr int size = 138, band = 33;
-  constexpr EvidenceReach reach{6.5f, 2.25f};
+  constexpr EvidenceReach reach{6.5f, 2.25f, 2.25f};
   // From the complex to a pixel of it, and from the centre of a circle to the farthest of the four pixels
   // around it: of four points on nearly one circle either pair of triangles may be seen there.
   constexpr double to_pixel = 0.71, to_four = 1.42;
@@ -150,6 +150,34 @@ TEST_F(EvidenceTest, PixelsAreThoseBesideTheComplexOfPoints) {
   }
   EXPECT_GT(inside, 4000);
   EXPECT_GT(outside, 4000);
+}
+
+// A sheet, a line and a point, none of them as near to another as the reach.
+TEST_F(EvidenceTest, LoneLinesAndPointsAreWiderThanRims) {
+  constexpr int size = 130, band = 34;
+  constexpr EvidenceReach reach{6.5f, 1, 4};
+  Image<std::uint32_t> bits(size, size, 0xffffffffu);
+  for (int y = 40; y <= 80; y += 4)
+    for (int x = 40; x <= 60; x += 4) bits.at(x, y) = 1;
+  for (int y = 40; y <= 80; y += 8) bits.at(78, y) = 1;
+  bits.at(92, 60) = 1;
+  const auto expected = [](glm::dvec2 pixel) {
+    const glm::dvec2 beyond = glm::max(glm::abs(pixel - glm::dvec2(50, 60)) - glm::dvec2(10, 20), 0.0);
+    const glm::dvec2 line(78, std::clamp(pixel.y, 40.0, 80.0));
+    return glm::length(beyond) <= 1 || glm::distance(pixel, line) <= 4 ||
+           glm::distance(pixel, glm::dvec2(92, 60)) <= 4;
+  };
+  gl::Texture points("points", GL_R32UI, size, size);
+  points.upload(bits);
+  for (const gl::Place place : {gl::Place::gpu, gl::Place::cpu}) {
+    const WithPreference<gl::Place> with(&gl::Preferences::evidence, place);
+    Evidence evidence;
+    const Image<float> mask =
+        evidence.find(points, band, size - 2 * band, size - 2 * band, reach).download<float>();
+    for (int y = 0; y < mask.height(); ++y)
+      for (int x = 0; x < mask.width(); ++x)
+        EXPECT_EQ(mask.at(x, y) > 0, expected(glm::dvec2(x + band, y + band))) << x << ' ' << y;
+  }
 }
 
 TEST_F(EvidenceTest, NothingIsCoveredFarFromAllPoints) {

@@ -86,8 +86,9 @@ class Strokes final : public Technique {
           std::max(1.0f, parameters_.stroke_length.user.value_or(0) / strokes::Look().length_percent);
       const int height = frame.camera.whole_height();
       // Beside points a brush reaches farther beyond an outline than a disc.
-      reach_ = {longer * evidence_reach(spacings_.measure(frame.cloud, frame.views), height).between,
-                longer * widest_disc_px({}, height)};
+      reach_ = evidence_reach(spacings_.measure(frame.cloud, frame.views), height);
+      reach_.between *= longer;
+      reach_.beside = reach_.around = longer * widest_disc_px({}, height);
       strokes_.limit(reach_);
       strokes_.update(frame.cloud, data_, view, look_, brush_, parameters_.orientation_noise.value(),
                       parameters_.two_layers, strict(frame));
