@@ -44,19 +44,45 @@ constexpr std::uint32_t packed(int distance2, int rows) {
 constexpr int distance2_of(std::uint32_t packed) { return int(packed >> 9); }
 constexpr int rows_of(std::uint32_t packed) { return int(packed & 511) - 256; }
 
-SFUMATO_WIDE void lower(std::uint32_t* least, const Side* row, int width, int rows) {
-  const std::uint32_t across = packed(rows * rows, rows);
-  for (int x = 0; x < width; ++x) {
-    const std::uint32_t along = row[x] == none ? nowhere : std::uint32_t(row[x] * row[x] * 512);
-    least[x] = std::min(least[x], along + across);
-  }
-}
+/// Pixels of a row that are looked at together.
+constexpr int block = 128;
 
-/// To the nearest goal of pixels [first, first + width) of row y, from those along all rows.
-void across_rows(const Image<Side>& along, int first, int y, int width, int reach, std::uint32_t* least) {
-  std::fill_n(least, width, nowhere);
-  for (int k = -reach; k <= reach; ++k)
-    if (y + k >= 0 && y + k < along.height()) lower(least, along.row(y + k) + first, width, k);
+/// From all pixels along their rows.
+struct Along {
+  Along(int width, int height) : sides(width, height), found((width + block - 1) / block, height) {}
+  template <class IsGoal>
+  void find_row(int y, int reach, const IsGoal& is_goal) {
+    along_row(&sides.at(0, y), sides.width(), reach, is_goal);
+    for (int x = 0; x < sides.width(); x += block) {
+      const Side* first = &sides.at(x, y);
+      found.at(x / block, y) =
+          std::any_of(first, first + std::min(block, sides.width() - x), [](Side s) { return s != none; });
+    }
+  }
+  Image<Side> sides;
+  Image<std::uint8_t> found;  ///< whether there is any, of each block of a row
+};
+
+/// To the nearest goal of a block of `columns` pixels of row y.
+SFUMATO_WIDE void across_rows(const Along& along, int x, int y, int columns, int reach,
+                              std::uint32_t* least) {
+  const auto lower = [&](int rows) {
+    if (y + rows < 0 || y + rows >= along.sides.height() || !along.found.at(x / block, y + rows)) return;
+    const Side* row = &along.sides.at(x, y + rows);
+    const std::uint32_t across = packed(rows * rows, rows);
+    for (int i = 0; i < columns; ++i) {
+      const std::uint32_t side = row[i] == none ? nowhere : std::uint32_t(row[i] * row[i] * 512);
+      least[i] = std::min(least[i], side + across);
+    }
+  };
+  std::fill_n(least, columns, nowhere);
+  for (int k = 0; k <= reach; ++k) {
+    lower(-k), lower(k);
+    if (k % 4 != 0) continue;
+    std::uint32_t farthest = 0;
+    for (int i = 0; i < columns; ++i) farthest = std::max(farthest, least[i]);
+    if (farthest < packed(k * k, -most_rows)) break;  // than all rows that follow
+  }
 }
 
 /// The pixel of a point. Negative: there is none as near.
@@ -64,18 +90,21 @@ using Place = glm::i16vec2;
 
 Image<Place> nearest_points(const Image<std::uint32_t>& depth_bits, int reach) {
   const int width = depth_bits.width(), height = depth_bits.height();
-  Image<Side> along(width, height);
+  Along along(width, height);
   tbb::parallel_for(0, height, [&](int y) {
-    along_row(&along.at(0, y), width, reach, [&](int x) { return depth_bits.at(x, y) != 0xffffffffu; });
+    along.find_row(y, reach, [&](int x) { return depth_bits.at(x, y) != 0xffffffffu; });
   });
   Image<Place> nearest(width, height);
   tbb::parallel_for(0, height, [&](int y) {
-    std::vector<std::uint32_t> least(static_cast<std::size_t>(width));
-    across_rows(along, 0, y, width, reach, least.data());
-    for (int x = 0; x < width; ++x) {
-      const std::uint32_t found = least[std::size_t(x)];
-      const int row = y + rows_of(found);
-      nearest.at(x, y) = found < nowhere ? Place(x + along.at(x, row), row) : Place(-1);
+    std::uint32_t least[block];
+    for (int x = 0; x < width; x += block) {
+      const int columns = std::min(block, width - x);
+      across_rows(along, x, y, columns, reach, least);
+      for (int i = 0; i < columns; ++i) {
+        const int row = y + rows_of(least[i]);
+        nearest.at(x + i, y) =
+            least[i] < nowhere ? Place(x + i + along.sides.at(x + i, row), row) : Place(-1);
+      }
     }
   });
   return nearest;
@@ -93,7 +122,8 @@ class Shape {
   bool in_triangle(int x, int y) const { return pixels_.at(x, y) >= of_triangle; }
   bool is_lone(int x, int y) const { return pixels_.at(x, y) == of_edge; }
   void add(ivec2 at, Part part) {
-    std::atomic_ref(pixels_.at(at.x, at.y)).fetch_or(part, std::memory_order_relaxed);
+    std::atomic_ref<std::uint8_t> pixel(pixels_.at(at.x, at.y));
+    if (!(pixel.load(std::memory_order_relaxed) & part)) pixel.fetch_or(part, std::memory_order_relaxed);
   }
   /// An edge whose smallest circle is around `middle`, doubled.
   void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
@@ -110,10 +140,10 @@ class Shape {
     const bool is_obtuse = 2 * longest > ab + bc + ca;
     if (is_obtuse ? longest > 4 * radius2_ : ab * bc * ca > 4 * radius2_ * (float(area) * float(area)))
       return;
+    const ivec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
     add_line(a, b, of_triangle);
     add_line(b, c, of_triangle);
     add_line(c, a, of_triangle);
-    const ivec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         const ivec2 p(x, y);
@@ -139,11 +169,12 @@ class Shape {
 Shape complex_of(const Image<Place>& nearest, float radius) {
   Shape shape(nearest.width(), nearest.height(), radius);
   tbb::parallel_for(0, nearest.height() - 1, [&](int y) {
+    const Place *row = nearest.row(y), *next = nearest.row(y + 1);
     for (int x = 0; x + 1 < nearest.width(); ++x) {
-      const ivec2 here(nearest.at(x, y)), right(nearest.at(x + 1, y)), below(nearest.at(x, y + 1)),
-          opposite(nearest.at(x + 1, y + 1));
-      if (here == ivec2(x, y)) shape.add(here, Shape::of_edge);
-      if (right.x < 0 || below.x < 0) continue;
+      if (row[x] == Place(x, y)) shape.add({x, y}, Shape::of_edge);
+      const bool is_inside = row[x] == row[x + 1] && row[x] == next[x] && row[x] == next[x + 1];
+      if (is_inside || row[x + 1].x < 0 || next[x].x < 0) continue;
+      const ivec2 here(row[x]), right(row[x + 1]), below(next[x]), opposite(next[x + 1]);
       if (here.x >= 0) {
         shape.add_triangle(here, right, below);
         shape.add_edge(here, right, {2 * x + 1, 2 * y});
@@ -161,20 +192,22 @@ Image<std::uint8_t> evidence_by_rows(const Image<std::uint32_t>& depth_bits, int
                                      const EvidenceReach& reach) {
   const Image<Place> nearest = nearest_points(depth_bits, reach.to_circle());
   const Shape shape = complex_of(nearest, reach.between);
-  Image<Side> along(depth_bits.width(), depth_bits.height());
+  Along along(depth_bits.width(), depth_bits.height());
   Image<std::uint8_t> mask(width, height);
   const auto widen = [&](float by, const auto& is_part) {
-    tbb::parallel_for(0, along.height(), [&](int y) {
-      along_row(&along.at(0, y), along.width(), int(by), [&](int x) { return is_part(x, y); });
-    });
-    tbb::parallel_for(0, height, [&](int y) {
-      std::vector<std::uint32_t> least(static_cast<std::size_t>(width));
-      across_rows(along, band, y + band, width, int(by), least.data());
-      for (int x = 0; x < width; ++x) {
-        const ivec2 pixel = ivec2(x, y) + band, point(nearest.at(pixel.x, pixel.y));
-        const bool vouched = float(distance2_of(least[std::size_t(x)])) <= by * by && point.x >= 0 &&
-                             float(squared(point - pixel)) <= reach.between * reach.between;
-        if (vouched) mask.at(x, y) = 255;
+    tbb::parallel_for(0, nearest.height(),
+                      [&](int y) { along.find_row(y, int(by), [&](int x) { return is_part(x, y); }); });
+    tbb::parallel_for(band, band + height, [&](int y) {
+      std::uint32_t least[block];
+      for (int x = band - band % block; x < band + width; x += block) {
+        const int columns = std::min(block, band + width - x);
+        across_rows(along, x, y, columns, int(by), least);
+        for (int i = std::max(0, band - x); i < columns; ++i) {
+          const ivec2 pixel(x + i, y), point(nearest.at(x + i, y));
+          const bool vouched = float(distance2_of(least[i])) <= by * by && point.x >= 0 &&
+                               float(squared(point - pixel)) <= reach.between * reach.between;
+          if (vouched) mask.at(x + i - band, y - band) = 255;
+        }
       }
     });
   };
