@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <utility>
@@ -272,20 +273,23 @@ bool names_degrees(std::string_view line) {
 
 bool is_running_number(const SampleRows& beginning, const std::vector<double>& end) {
   if (beginning.size() < 3 || beginning[0].size() < 4) return false;
-  const double way = beginning[1][0] < beginning[0][0] ? -1 : 1;
-  double last = -std::numeric_limits<double>::infinity();
-  const auto goes_on = [&](double value) {
-    const bool is_next = value == std::floor(value) && way * value > last && value >= 0;
-    last = way * value;
-    return is_next;
+  if (summary_of(beginning, 1).is_whole || summary_of(beginning, 2).is_whole) return false;
+  std::vector<double> first;
+  for (const std::vector<double>& row : beginning) first.push_back(row[0]);
+  const auto never_repeats = [](std::vector<double> numbers) {
+    if (!std::ranges::all_of(numbers, [](double n) { return n >= 0 && n == std::floor(n); })) return false;
+    std::ranges::sort(numbers);
+    return std::ranges::adjacent_find(numbers) == numbers.end();
   };
-  for (const std::vector<double>& row : beginning)
-    if (!goes_on(row[0])) return false;
-  const double latest = last;
-  for (const double value : end)
-    if (way * value > latest && !goes_on(value)) return false;
-  if (!end.empty() && way * end.back() < latest) return false;
-  return !summary_of(beginning, 1).is_whole && !summary_of(beginning, 2).is_whole;
+  if (!never_repeats(first) || !never_repeats(end)) return false;
+  // Of a hundred coordinates that are whole some repeat, unless they range over thousands.
+  constexpr std::size_t enough = 100;
+  if (first.size() >= enough) return true;
+  const bool falls = first[1] < first[0];
+  const auto goes_on = [&](const std::vector<double>& numbers) {
+    return falls ? std::ranges::is_sorted(numbers, std::greater()) : std::ranges::is_sorted(numbers);
+  };
+  return goes_on(first) && goes_on(end);
 }
 
 std::vector<std::string> guess_columns(const SampleRows& rows, std::size_t width,

@@ -28,8 +28,8 @@ bool names_degrees(std::string_view line);
 /// Rows of the beginning of a file; NaN is what is no number.
 using SampleRows = std::vector<std::vector<double>>;
 
-/// Whether the first column numbers the points: whole numbers that only rise, or only fall, from the rows at
-/// the beginning to those at the end, beside coordinates with decimals.
+/// Whether the first column numbers the points, beside coordinates with decimals: whole numbers of which none
+/// repeats in the rows at the beginning nor in those at the end. Where there are few they rise or fall.
 bool is_running_number(const SampleRows& beginning, const std::vector<double>& end);
 
 /// Names for the columns from `names.size()` to `width`, by ranges and whole numbers of all of them.

@@ -388,15 +388,19 @@ TEST(StrangersKinds, HeadersWinOverGuessing) {
 }
 
 TEST(StrangersKinds, ARunningNumberIsNoPlace) {
-  std::string rising, falling, grid;
+  std::string rising, falling, hashed, few, grid;
   for (int i = 1; i <= 300; ++i) {
     const std::string place = " " + std::to_string(i % 17) + ".25 " + std::to_string(i % 5) + ".5 3.5\n";
     rising += std::to_string(i) + place;
     falling += std::to_string(300 - i) + place;
+    hashed += std::to_string(i * 7919 % 10007) + place;
+    if (i <= 20) few += std::to_string(i * 7919 % 10007) + place;
     grid += std::to_string(i % 150) + " " + std::to_string(i / 150) + ".5 0.5 3.5\n";
   }
   EXPECT_EQ(read_text(rising).report.bounds_max.x, 16.25);
   EXPECT_EQ(read_text(falling).report.bounds_max.x, 16.25);
+  EXPECT_EQ(read_text(hashed).report.bounds_max.x, 16.25);
+  EXPECT_GT(read_text(few).report.bounds_max.x, 1000);
   EXPECT_EQ(read_text(grid).report.bounds_max.x, 149);
 }
 
