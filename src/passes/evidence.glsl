@@ -1,7 +1,7 @@
 // The steps of evidence.h that look along a line: the nearest pixel of those that are set is the nearest in
 // its column of the nearest in their rows.
 //   ROWS           px to the side, to the nearest point in the row; to the left where two are as near
-//   NEAREST        the nearest point, from that; the topmost of those as near; -1 where none is in reach
+//   NEAREST        its pixel x | y << 16, from that; the topmost of those as near; ~0 where none is in reach
 //   ROWS_OF_SHAPE  px to the side, to the nearest pixel of triangles, and to that of what is in none
 //   WIDENED        1 within the reach of either, from that, where a point is near enough
 #include "frame.glsl"
@@ -10,11 +10,11 @@
 layout(binding = UNIT_INPUT) uniform usampler2D pixels;  // ROWS: 0xffffffff where there is no point
 #else
 layout(binding = UNIT_INPUT) uniform sampler2D along;
-layout(binding = UNIT_INPUT + 1) uniform sampler2D nearest;
+layout(binding = UNIT_INPUT + 1) uniform usampler2D nearest;
 uniform int band;
 uniform float between;
 #endif
-uniform vec2 reach;
+uniform vec2 reach;  // px; WIDENED and ROWS_OF_SHAPE: from triangles, and from what is in none
 
 const float nowhere = 1e9;
 
@@ -37,11 +37,11 @@ float nearest_in_row(ivec2 pixel, uint part) {
   return nowhere;
 }
 #else
-// To the side and down, px; beyond the reach where there is none.
+// To the side and down, px; `nowhere` where none is in reach.
 vec2 nearest_in_rows(ivec2 pixel, uint part) {
   vec2 offset = vec2(nowhere, 0.0);
-  float least = nowhere;
-  for (int k = 0; k <= int(reach[part]) && float(k * k) <= least; ++k)
+  float least = floor(reach[part] * reach[part]) + 0.5;  // squares are whole numbers
+  for (int k = 0; float(k * k) <= least; ++k)
     for (int side = -1; side <= 1; side += 2) {
       int row = pixel.y + side * k;
       if (row < 0 || row >= textureSize(along, 0).y) continue;
@@ -60,15 +60,17 @@ bool filter_pixel(ivec2 pixel) {
   out_0 = vec4(nearest_in_row(pixel, 0u));
 #elif defined(NEAREST)
   vec2 found = nearest_in_rows(pixel, 0u);
-  out_0 = found.x == nowhere ? vec4(-1.0) : vec4(vec2(pixel) + found, 0.0, 0.0);
+  uvec2 point = uvec2(pixel + ivec2(found));
+  out_0 = uvec4(found.x == nowhere ? 0xffffffffu : point.x | point.y << 16);
 #elif defined(ROWS_OF_SHAPE)
   out_0 = vec4(nearest_in_row(pixel, 0u), nearest_in_row(pixel, 1u), 0.0, 0.0);
 #else
   pixel += band;
-  vec2 triangle = nearest_in_rows(pixel, 0u), lone = nearest_in_rows(pixel, 1u);
-  vec2 point = texelFetch(nearest, pixel, 0).xy, to_point = point - vec2(pixel);
-  bool vouched = point.x >= 0.0 && dot(to_point, to_point) <= between * between &&
-                 (dot(triangle, triangle) <= reach.x * reach.x || dot(lone, lone) <= reach.y * reach.y);
+  uint point = texelFetch(nearest, pixel, 0).x;
+  vec2 to_point = vec2(ivec2(point & 0xffffu, point >> 16) - pixel);
+  bool is_near = point != 0xffffffffu && dot(to_point, to_point) <= between * between;
+  bool vouched =
+      is_near && min(nearest_in_rows(pixel, 0u).x, nearest_in_rows(pixel, 1u).x) < nowhere;
   out_0 = vec4(vouched ? 1.0 : 0.0);
 #endif
   return true;

@@ -34,15 +34,16 @@ void along_row(Side* out, int width, int reach, const IsGoal& is_goal) {
 
 /// A squared distance, px, and across how many rows, as one number: the nearest is least, and of those as
 /// near the topmost.
-constexpr std::uint32_t nowhere = 1 << 30;
 constexpr int most_rows = 255;
 static_assert(EvidenceReach{EvidenceReach::most}.to_circle() <= most_rows);
-static_assert(most_rows < none && 2 * most_rows * most_rows * 512 + 511 < nowhere);
 constexpr std::uint32_t packed(int distance2, int rows) {
   return std::uint32_t(distance2 * 512 + rows + 256);
 }
-constexpr int distance2_of(std::uint32_t packed) { return int(packed >> 9); }
 constexpr int rows_of(std::uint32_t packed) { return int(packed & 511) - 256; }
+/// More than that of anything as near as that.
+constexpr std::uint32_t beyond(int distance2) { return packed(distance2 + 1, -256); }
+constexpr std::uint32_t nowhere = 1 << 30;
+static_assert(most_rows < none && beyond(most_rows * most_rows) < nowhere);
 
 /// Pixels of a row that are looked at together.
 constexpr int block = 128;
@@ -63,8 +64,8 @@ struct Along {
   Image<std::uint8_t> found;  ///< whether there is any, of each block of a row
 };
 
-/// To the nearest goal of a block of `columns` pixels of row y.
-SFUMATO_WIDE void across_rows(const Along& along, int x, int y, int columns, int reach,
+/// To the nearest goal of a block of `columns` pixels of row y; `beyond(most2)` where none is as near.
+SFUMATO_WIDE void across_rows(const Along& along, int x, int y, int columns, int most2,
                               std::uint32_t* least) {
   const auto lower = [&](int rows) {
     if (y + rows < 0 || y + rows >= along.sides.height() || !along.found.at(x / block, y + rows)) return;
@@ -75,8 +76,8 @@ SFUMATO_WIDE void across_rows(const Along& along, int x, int y, int columns, int
       least[i] = std::min(least[i], side + across);
     }
   };
-  std::fill_n(least, columns, nowhere);
-  for (int k = 0; k <= reach; ++k) {
+  std::fill_n(least, columns, beyond(most2));
+  for (int k = 0; k * k <= most2; ++k) {
     lower(-k), lower(k);
     if (k % 4 != 0) continue;
     std::uint32_t farthest = 0;
@@ -99,11 +100,11 @@ Image<Place> nearest_points(const Image<std::uint32_t>& depth_bits, int reach) {
     std::uint32_t least[block];
     for (int x = 0; x < width; x += block) {
       const int columns = std::min(block, width - x);
-      across_rows(along, x, y, columns, reach, least);
+      across_rows(along, x, y, columns, reach * reach, least);
       for (int i = 0; i < columns; ++i) {
         const int row = y + rows_of(least[i]);
         nearest.at(x + i, y) =
-            least[i] < nowhere ? Place(x + i + along.sides.at(x + i, row), row) : Place(-1);
+            least[i] < beyond(reach * reach) ? Place(x + i + along.sides.at(x + i, row), row) : Place(-1);
       }
     }
   });
@@ -132,7 +133,6 @@ class Shape {
   void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
     const int area = cross(b - a, c - a);  // twice
     if (area == 0) return;
-    if (area < 0) std::swap(b, c);
     const float ab = float(squared(b - a)), bc = float(squared(c - b)), ca = float(squared(a - c)),
                 longest = std::max({ab, bc, ca});
     // Around an obtuse one that of its longest side, else that through all three, whose radius is the product
@@ -141,13 +141,15 @@ class Shape {
     if (is_obtuse ? longest > 4 * radius2_ : ab * bc * ca > 4 * radius2_ * (float(area) * float(area)))
       return;
     const ivec2 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
+    const int turn = area < 0 ? -1 : 1;
     add_line(a, b, of_triangle);
     add_line(b, c, of_triangle);
     add_line(c, a, of_triangle);
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         const ivec2 p(x, y);
-        if (cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0)
+        if (turn * cross(b - a, p - a) >= 0 && turn * cross(c - b, p - b) >= 0 &&
+            turn * cross(a - c, p - c) >= 0)
           add(p, of_triangle);
       }
   }
@@ -165,7 +167,8 @@ class Shape {
   float radius2_;
 };
 
-/// Pixels are a triangulation of the plane, and so are the points that they are nearest to: that of Delaunay.
+/// Pixels are a triangulation of the plane, and so are the points that they are nearest to: that of Delaunay
+/// but where four points lie on nearly one circle, or cells of the Voronoi diagram are thinner than a pixel.
 Shape complex_of(const Image<Place>& nearest, float radius) {
   Shape shape(nearest.width(), nearest.height(), radius);
   tbb::parallel_for(0, nearest.height() - 1, [&](int y) {
@@ -188,25 +191,26 @@ Shape complex_of(const Image<Place>& nearest, float radius) {
 
 }  // namespace
 
-Image<std::uint8_t> evidence_by_rows(const Image<std::uint32_t>& depth_bits, int band, int width, int height,
-                                     const EvidenceReach& reach) {
+Image<std::uint8_t> evidence_mask(const Image<std::uint32_t>& depth_bits, int band, int width, int height,
+                                  const EvidenceReach& reach) {
   const Image<Place> nearest = nearest_points(depth_bits, reach.to_circle());
   const Shape shape = complex_of(nearest, reach.between);
   Along along(depth_bits.width(), depth_bits.height());
   Image<std::uint8_t> mask(width, height);
   const auto widen = [&](float by, const auto& is_part) {
-    tbb::parallel_for(0, nearest.height(),
+    const int most2 = int(by * by);
+    tbb::parallel_for(band - int(by), band + height + int(by),
                       [&](int y) { along.find_row(y, int(by), [&](int x) { return is_part(x, y); }); });
     tbb::parallel_for(band, band + height, [&](int y) {
       std::uint32_t least[block];
       for (int x = band - band % block; x < band + width; x += block) {
         const int columns = std::min(block, band + width - x);
-        across_rows(along, x, y, columns, int(by), least);
+        across_rows(along, x, y, columns, most2, least);
         for (int i = std::max(0, band - x); i < columns; ++i) {
           const ivec2 pixel(x + i, y), point(nearest.at(x + i, y));
-          const bool vouched = float(distance2_of(least[i])) <= by * by && point.x >= 0 &&
-                               float(squared(point - pixel)) <= reach.between * reach.between;
-          if (vouched) mask.at(x + i - band, y - band) = 255;
+          if (least[i] < beyond(most2) && point.x >= 0 &&
+              float(squared(point - pixel)) <= reach.between * reach.between)
+            mask.at(x + i - band, y - band) = 255;
         }
       }
     });

@@ -1,15 +1,17 @@
 // The complex of evidence.h as pixels: of three pixels that touch each other the nearest points are a
-// triangle of Delaunay, or coincide, because pixels are a triangulation of the plane.
+// triangle of Delaunay, or coincide, because pixels are a triangulation of the plane; but where four points
+// lie on nearly one circle, or cells of the Voronoi diagram are thinner than a pixel.
 #include "bindings.glsl"
 #include "work_groups.glsl"
 
 layout(local_size_x = 16, local_size_y = 8) in;
-layout(binding = UNIT_INPUT) uniform sampler2D nearest;  // pixel of the nearest point, or -1
-layout(r32ui, binding = 0) uniform uimage2D shape;  // bits
+layout(binding = UNIT_INPUT) uniform usampler2D nearest;  // pixel of the nearest point x | y << 16, or ~0
+layout(r32ui, binding = 0) uniform uimage2D shape;  // of_edge | of_triangle
 uniform float radius;  // px: of the largest circle around an edge or triangle
 
-const uint of_edge = 1u, of_triangle = 2u;
+const uint of_edge = 1u, of_triangle = 2u, none = 0xffffffffu;
 
+ivec2 place(uint point) { return ivec2(point & 0xffffu, point >> 16); }
 int cross2(ivec2 a, ivec2 b) { return a.x * b.y - a.y * b.x; }
 float squared(ivec2 a) { return float(a.x * a.x + a.y * a.y); }
 int extent(ivec2 a) { return max(abs(a.x), abs(a.y)); }
@@ -31,13 +33,12 @@ void add_edge(ivec2 a, ivec2 b, ivec2 middle) {
 void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
   int area = cross2(b - a, c - a);  // twice
   if (area == 0) return;
-  float ab = squared(b - a), bc = squared(c - b), ca = squared(a - c), longest = max(ab, max(bc, ca));
+  precise float ab = squared(b - a), bc = squared(c - b), ca = squared(a - c), longest = max(ab, max(bc, ca));
   // Around an obtuse one that of its longest side, else that through all three, whose radius is the product
   // of the sides divided by four times the area.
   bool is_obtuse = 2.0 * longest > ab + bc + ca;
-  if (is_obtuse ? longest > 4.0 * (radius * radius)
-                : ab * bc * ca > 4.0 * (radius * radius) * (float(area) * float(area)))
-    return;
+  precise float sides = ab * bc * ca, most = 4.0 * (radius * radius) * (float(area) * float(area));
+  if (is_obtuse ? longest > 4.0 * (radius * radius) : sides > most) return;
   add_line(a, b, of_triangle);
   add_line(b, c, of_triangle);
   add_line(c, a, of_triangle);
@@ -52,19 +53,19 @@ void add_triangle(ivec2 a, ivec2 b, ivec2 c) {
     }
 }
 
-ivec2 point_near(ivec2 pixel) { return ivec2(texelFetch(nearest, pixel, 0).xy); }
-
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.x, group_row() * 8u + gl_LocalInvocationID.y);
   if (any(greaterThanEqual(pixel + 1, textureSize(nearest, 0)))) return;
-  ivec2 here = point_near(pixel), right = point_near(pixel + ivec2(1, 0)),
-        below = point_near(pixel + ivec2(0, 1)), opposite = point_near(pixel + 1);
-  if (here == pixel) add(pixel, of_edge);
-  if (right.x < 0 || below.x < 0) return;
-  if (here.x >= 0) {
-    add_triangle(here, right, below);
-    add_edge(here, right, 2 * pixel + ivec2(1, 0));
-    add_edge(here, below, 2 * pixel + ivec2(0, 1));
+  uint here = texelFetch(nearest, pixel, 0).x, right = texelFetch(nearest, pixel + ivec2(1, 0), 0).x,
+       below = texelFetch(nearest, pixel + ivec2(0, 1), 0).x, opposite = texelFetch(nearest, pixel + 1, 0).x;
+  if (here == uint(pixel.x | pixel.y << 16)) add(pixel, of_edge);
+  bool is_inside = here == right && here == below && here == opposite;
+  if (is_inside || right == none || below == none) return;
+  ivec2 a = place(right), b = place(below);
+  if (here != none) {
+    add_triangle(place(here), a, b);
+    add_edge(place(here), a, 2 * pixel + ivec2(1, 0));
+    add_edge(place(here), b, 2 * pixel + ivec2(0, 1));
   }
-  if (opposite.x >= 0) add_triangle(opposite, right, below);
+  if (opposite != none) add_triangle(place(opposite), a, b);
 }

@@ -23,7 +23,7 @@ struct ScreenSpacing {
 /// nobody knows. 8 px of 720; where most points in view are farther apart, as wide as the gaps between them.
 float widest_disc_px(const ScreenSpacing& spacing, int height);
 /// What such a picture may cover: between points what is no hole of a surface of the spacing in view, at
-/// least 11 px of 720, and beside these half a spacing, 4 to 8 px.
+/// least 11 px of 720, half a spacing beside that, 1 to 8 px, and around lone points 4 to 8 px.
 EvidenceReach evidence_reach(const ScreenSpacing& spacing, int height);
 
 class ScreenSpacings {
