@@ -276,10 +276,12 @@ void RenderThread::drop_unused() {
   std::vector<std::shared_ptr<SharedSession>> unused;  // freed without the lock
   std::vector<std::shared_ptr<State>> gone;
   const std::lock_guard lock(mutex);
-  const auto is_gone = [](const auto& one) { return one->gone.load(); };
-  std::copy_if(clients_.begin(), clients_.end(), std::back_inserter(gone), is_gone);
-  std::erase_if(clients_, is_gone);
-  for (const auto& one : gone) unused.push_back(std::exchange(one->shared, nullptr));
+  std::erase_if(clients_, [&](const auto& one) {
+    if (!one->gone) return false;  // asked once: it is said without the lock
+    unused.push_back(std::exchange(one->shared, nullptr));
+    gone.push_back(one);
+    return true;
+  });
   std::erase_if(shared_, [&](const auto& each) {
     if (std::any_of(clients_.begin(), clients_.end(), [&](const auto& one) {
           return one->shared == each.second || one->held_key == each.first;
