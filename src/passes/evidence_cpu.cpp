@@ -89,9 +89,8 @@ SFUMATO_WIDE void across_rows(const Along& along, int x, int y, int columns, int
 /// The pixel of a point. Negative: there is none as near.
 using Place = glm::i16vec2;
 
-Image<Place> nearest_points(const Image<std::uint32_t>& depth_bits, int reach) {
+Image<Place> nearest_points(const Image<std::uint32_t>& depth_bits, int reach, Along& along) {
   const int width = depth_bits.width(), height = depth_bits.height();
-  Along along(width, height);
   tbb::parallel_for(0, height, [&](int y) {
     along.find_row(y, reach, [&](int x) { return depth_bits.at(x, y) != 0xffffffffu; });
   });
@@ -193,9 +192,9 @@ Shape complex_of(const Image<Place>& nearest, float radius) {
 
 Image<std::uint8_t> evidence_mask(const Image<std::uint32_t>& depth_bits, int band, int width, int height,
                                   const EvidenceReach& reach) {
-  const Image<Place> nearest = nearest_points(depth_bits, reach.to_circle());
-  const Shape shape = complex_of(nearest, reach.between);
   Along along(depth_bits.width(), depth_bits.height());
+  const Image<Place> nearest = nearest_points(depth_bits, reach.to_circle(), along);
+  const Shape shape = complex_of(nearest, reach.between);
   Image<std::uint8_t> mask(width, height);
   const auto widen = [&](float by, const auto& is_part) {
     const int most2 = int(by * by);

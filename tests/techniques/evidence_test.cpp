@@ -167,7 +167,7 @@ TEST_F(EvidenceTest, PixelsAreThoseBesideTheComplexOfPoints) {
 // A sheet, a line and a point, none of them as near to another as the reach.
 TEST_F(EvidenceTest, LoneLinesAndPointsAreWiderThanRims) {
   constexpr EvidenceReach reach{6.5f, 1, 4};
-  constexpr int size = 130, band = 34;
+  const int band = reach.band(), size = 62 + 2 * band;
   Image<std::uint32_t> bits(size, size, 0xffffffffu);
   for (int y = 40; y <= 80; y += 4)
     for (int x = 40; x <= 60; x += 4) bits.at(x, y) = 1;
