@@ -47,6 +47,20 @@ class RangeImage {
   }
 
   float range(std::size_t cell) const { return range_[cell]; }
+  /// Standard deviation of a range over the range squared.
+  float deviation() const { return deviation_; }
+  std::size_t pixels() const {
+    return range_.size() - std::size_t(std::count(range_.begin(), range_.end(), none));
+  }
+  /// Pixels that a neighbour beside and one above or below continue as one surface.
+  std::size_t joined() const {
+    std::size_t count = 0;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x)
+        count += (continues(x, y, 1, 0) || continues(x, y, -1, 0)) &&
+                 (continues(x, y, 0, 1) || continues(x, y, 0, -1));
+    return count;
+  }
   float pitch(float range) const { return pixel_angle_ * range; }
   /// Side of the square that a point stands for on a surface of this normal (0: facing the camera), which a
   /// slant makes larger by the root of the cosine; not at an edge, whose normals are anybody's guess and
@@ -103,11 +117,20 @@ class RangeImage {
   }
 
  private:
+  static constexpr float steepest = 3.7f;  // tan 75 degrees
   std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
   vec3 place(std::size_t cell) const { return range_[cell] * ray_[cell]; }
   float noise(float range) const { return noise_ * range * range; }
   /// Ranges that differ by less are one surface: noise, and a slope of 75 degrees over a pixel.
-  float spread(float range) const { return 2 * noise(range) + 3.7f * pitch(range); }
+  float spread(float range) const { return 2 * noise(range) + steepest * pitch(range); }
+
+  /// Whatever the noise: that of leaves is as large as they are far apart.
+  bool continues(int x, int y, int dx, int dy) const {
+    const int u = x + dx, v = y + dy;
+    if (u < 0 || v < 0 || u >= width_ || v >= height_) return false;
+    const float here = range_[at(x, y)], there = range_[at(u, v)];
+    return here != none && there != none && std::abs(there - here) <= steepest * pitch(std::min(here, there));
+  }
 
   /// Whether all of 5 x 5 pixels may be of the surface in the middle.
   bool is_whole(std::size_t cell) const {
@@ -150,7 +173,9 @@ class RangeImage {
     step_ = depth_step();
     // Second differences of white noise have sqrt(6) times its deviation, which is the 68 % quantile of its
     // size.
-    noise_ = std::max(quantile(bends, 0.68) / std::sqrt(6.0f), 0.8f * step_);
+    const float white = quantile(bends, 0.68) / std::sqrt(6.0f);
+    noise_ = std::max(white, 0.8f * step_);
+    deviation_ = std::max(white, step_ / std::sqrt(12.0f));
     return pixel_angle_ > 0;
   }
 
@@ -181,7 +206,8 @@ class RangeImage {
   std::vector<vec3> ray_;     // unit
   float pixel_angle_ = 0;     // radians: 1 / focal length in pixels
   float step_ = 0;            // of depths that are counted, over the depth squared; else 0
-  float noise_ = 0;           // deviation of a range over the range squared, as stereo has it
+  float noise_ = 0;      // deviation of a range over the range squared, as stereo has it, or most of a step
+  float deviation_ = 0;  // the same, of a step what rounding to it leaves
 };
 
 /// Columns, or rows, of pixels: evenly spaced values that all others are near to.
@@ -312,6 +338,23 @@ void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress
       if (radii) cloud.radii[i] = cover * image->spacing(cell, normal);
     });
   }
+}
+
+std::optional<DepthPictures> depth_pictures(const PointCloud& cloud) {
+  constexpr double nearly_all = 0.95;
+  std::size_t pixels = 0, joined = 0, count = 0;
+  DepthPictures pictures;
+  for (const Grid& grid : cloud.grids) {
+    const std::optional<RangeImage> image = RangeImage::from(cloud, grid);
+    if (!image) continue;
+    pixels += image->pixels(), joined += image->joined(), ++count;
+    pictures.sensor = vec3(*grid.viewpoint - cloud.origin);
+    pictures.noise = image->deviation();
+  }
+  if (count == 0 || !(double(pixels) >= nearly_all * double(cloud.size()))) return std::nullopt;
+  if (count > 1) pictures.noise = 0;
+  pictures.surface_share = float(joined) / float(pixels);
+  return pictures;
 }
 
 ViewPlaces view_places(const PointCloud& cloud, const std::vector<std::uint32_t>& order) {

@@ -1,6 +1,8 @@
 // Normals and radii of RGB-D views, from their grids: what belongs together there is known without searching.
 #pragma once
 
+#include <optional>
+
 #include "core/point_cloud.h"
 #include "core/prepared_cloud.h"
 #include "core/progress.h"
@@ -21,6 +23,9 @@ void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress
 /// quarter or more of those have one, nearly all side by side. Sets `grids`, with the origin as viewpoint,
 /// and `grid_index`; false, and nothing changed, where there are no such columns and rows.
 bool recover_grid(PointCloud& cloud);
+
+/// Of a cloud that has its grids still: nothing where fewer than 95 % of its points are pixels of pictures.
+std::optional<DepthPictures> depth_pictures(const PointCloud& cloud);
 
 /// The places of all points of `cloud`, which is to be sorted into `order`: what sorting would lose. Empty
 /// when there are no views or the cloud has normals and radii.

@@ -126,6 +126,7 @@ float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree) 
     const Attributes all = Attribute::normal | Attribute::radius;
     const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);
     if (all.without(of_file).empty()) return 1.0f;
+    if (prepared.pictures) return prepared.pictures->surface_share;
     return tree ? surface_share(*tree) : surface_share(NeighborTree(prepared.cloud.positions));
   });
 }

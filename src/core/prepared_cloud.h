@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -81,6 +82,18 @@ struct ViewPlaces {
   std::vector<std::uint32_t> cell;  ///< per point: row * width + column
 };
 
+/// Of points that are the pixels of depth pictures, whose neighbours are known without searching.
+struct DepthPictures {
+  /// The share of the points that neighbours beside and above or below continue as one surface, no steeper
+  /// than 75 degrees to the line of sight.
+  float surface_share = 1;
+  /// Of one picture: where its sensor was, relative to the cloud's origin, and the standard deviation of a
+  /// range over the range squared, as stereo and structured light have it (Khoshelham, Elberink 2012); of
+  /// several pictures 0.
+  vec3 sensor{0};
+  float noise = 0;
+};
+
 /// In median radii: the largest disc, where they are limited. A scanner's points are denser on what it stands
 /// beside than on the ground around it: of twice the median ground 4 m off was full of holes. Outliers are
 /// smaller than this by themselves (analysis/attributes.cpp).
@@ -143,6 +156,7 @@ struct PreparedCloud {
   int neighbors = 24;  ///< that computed attributes were measured from
   /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
   MadeOnce<float> surface_share;
+  std::optional<DepthPictures> pictures;  ///< which the cloud was when it was sorted
   /// What spacings are stored in as halves: the power of two near the median; any other rounds the same.
   float spacing_unit() const {
     return median_spacing > 0 ? std::exp2(std::round(std::log2(median_spacing))) : 1;

@@ -190,6 +190,8 @@ struct ReliefLoop {
     const float* own = &surfaces->depth.at(x, y);
     float half_turned[2][lanes] = {}, half_angles[2][lanes] = {}, half_counts[2][lanes] = {};
     int half_px[2] = {};
+    float of_points[lanes];
+    for (int i = 0; i < lanes; ++i) of_points[i] = point_noise_at(x + i, y, own[i]);
     std::fill_n(ridges, lanes, 0.0f);
     for (int k = 0; k < Relief::scaling_distances; ++k) {
       const int px = scaling_px[k];
@@ -207,7 +209,7 @@ struct ReliefLoop {
         }
       }
       for (int i = 0; i < lanes; ++i) {
-        const float pixels = pixels_at(own[i]), noise = 4 * look.noise * pixels / float(px);
+        const float pixels = pixels_at(own[i]), noise = 4 * of_points[i] * pixels / float(px);
         const float spacings = float(px) / std::max(look.median_spacing * pixels, 1e-6f);
         const float turned = angles[i], promised = most_sudden * float(px) * half_angles[k % 2][i],
                     added = most_sudden * float(px) / float(px - half_px[k % 2]) *
@@ -259,6 +261,13 @@ struct ReliefLoop {
     }
   }
 
+  /// point_noise.glsl
+  [[gnu::always_inline]] float point_noise_at(int x, int y, float d) const {
+    if (look.sensor_noise == 0 || x >= int(surfaces->eye.slopes_x.size())) return look.noise;
+    const vec2 slope(surfaces->eye.slopes_x[std::size_t(x)], surfaces->eye.slopes_y[std::size_t(y)]);
+    const vec3 away = vec3(slope * (orthographic ? 1 : d), -d) - look.sensor;
+    return look.sensor_noise * glm::dot(away, away);
+  }
   float pixels_at(float d) const { return orthographic ? pixels_per_unit : pixels_per_unit / d; }
 
   const Relief::Options& look;

@@ -74,7 +74,7 @@ Relief::Openness Relief::find_openness(const View& view, const Options& options,
       .set("first_octave", options.coarse ? fine_octaves : 0);
   occlusion_.set("first_px", first_octave_px * widened(view.picture_height()))
       .set("spacing", options.spacing);
-  occlusion_.set("point_noise", options.noise);
+  occlusion_.set("point_noise", options.noise).set("sensor", vec4(options.sensor, options.sensor_noise));
   if (gl::limits().software) gl::finish();  // see Tiles
   occlusion_.run({views_[tile_level], 1 << (tile_level - finest)}, {&pyramid_}, {&openness_},
                  {vec4(1, 0, 0, 0)});
@@ -95,6 +95,7 @@ void Relief::run(const View& view, const Options& options, const gl::Texture& co
       .set("scaling_px", finest_scaling_px * widened(view.picture_height()))
       .set("scaling_distances", scaling_distances)
       .set("point_noise", options.noise)
+      .set("sensor", vec4(options.sensor, options.sensor_noise))
       .set("median_spacing", options.median_spacing);
   gl::copy(color, ivec2(0), out, ivec2(0), ivec2(color.width(), color.height()));
   relief_.run({views_[tile_level], 2 << tile_level}, {&color, &depth, &openness_, &normal}, {&out}, {});

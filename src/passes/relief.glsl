@@ -9,6 +9,7 @@
 // dark radiance, tanh of the curvature): ridges are lightened and valleys darkened, as normals open or close across the
 // picture, over several distances.
 #include "frame.glsl"
+#include "passes/point_noise.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D color_image;
 layout(binding = UNIT_INPUT + 1) uniform sampler2D depth_image;
@@ -24,7 +25,6 @@ uniform float spacing;  // of the points between which a surface was closed, sce
 uniform float scaling;  // strength of radiance scaling
 uniform float scaling_px;  // the least distance, each next one half an octave farther
 uniform int scaling_distances;
-uniform float point_noise;     // standard deviation of the points off their surfaces, scene units
 uniform float median_spacing;  // of the points, scene units
 
 const float fine_px = 2.5,
@@ -92,12 +92,13 @@ float bounded(float angle, float most) { return clamp(angle, min(most, 0.0), max
 float ridge_at(ivec2 pixel, float depth) {
   vec3 own = surface_at(pixel).xyz;
   if (dot(own, own) < 0.25) return 0.0;
-  float px = pixels_at(depth), sum = 0.0;
+  vec3 here = eye_from_pixel(vec2(pixel) + 0.5, depth);
+  float px = pixels_at(depth), of_points = point_noise_at(here), sum = 0.0;
   // Of half the distance: itself, its angle, what of it counts over a pixel of distance, and how far.
   vec4 halves[2] = vec4[2](vec4(0.0), vec4(0.0));
   for (int k = 0; k < scaling_distances; ++k) {
     float away = floor(scaling_px * float(1 << k / 2) * (k % 2 == 0 ? 1.0 : 1.41421356) + 0.5);
-    float reach = steepest * away / px, noise = 4.0 * point_noise * px / away;
+    float reach = steepest * away / px, noise = 4.0 * of_points * px / away;
     float turned = 0.5 * (opening(pixel, depth, 0, int(away), reach) + opening(pixel, depth, 1, int(away), reach));
     vec4 near = halves[k % 2];
     float promised = most_sudden * away * near.z,
@@ -107,7 +108,7 @@ float ridge_at(ivec2 pixel, float depth) {
     halves[k % 2] = vec4(away, turned, angle / away, counts);
     if (k >= 2) sum += sign(angle) * max(abs(angle) - noise, 0.0) * counts;
   }
-  return sum / float(scaling_distances - 2) * abs(dot(own, to_camera(eye_from_pixel(vec2(pixel) + 0.5, depth))));
+  return sum / float(scaling_distances - 2) * abs(dot(own, to_camera(here)));
 }
 
 bool filter_pixel(ivec2 pixel) {

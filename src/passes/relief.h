@@ -24,8 +24,12 @@ class Relief {
     /// Of the points between which a surface was closed, scene units: where they are far apart on the screen,
     /// lower steps are none of theirs; 0 where nothing was closed.
     float spacing = 0;
-    float noise = 0;    ///< standard deviation of the points off their surfaces, scene units; 0: not measured
-    float scaling = 0;  ///< strength of radiance scaling
+    float noise = 0;  ///< standard deviation of the points off their surfaces, scene units; 0: not measured
+    /// Of points that one sensor saw: where it was, in eye space, and their noise over the distance to it
+    /// squared, in place of `noise`; 0 of others.
+    vec3 sensor{0};
+    float sensor_noise = 0;
+    float scaling = 0;         ///< strength of radiance scaling
     float median_spacing = 0;  ///< of the points, scene units: their normals show no finer shape
     bool any() const { return edl_strength > 0 || occlusion > 0 || scaling > 0; }
   };

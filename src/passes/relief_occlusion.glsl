@@ -9,13 +9,13 @@
 // A rise counts above the noise of its octave (relief_pyramid.glsl), softly (Donoho, Johnstone 1994, Eq. 4).
 //   x openness; y noise between neighbouring pixels, scene units
 #include "frame.glsl"
+#include "passes/point_noise.glsl"
 
 layout(binding = UNIT_INPUT) uniform sampler2D pyramid;  // levels of 2, 4, 8 .. px
 
 uniform int levels, finest;  // of the pyramid; of those this pass writes
 uniform int first_octave, octaves;
 uniform float first_px;   // distance of the nearest octave, each next one twice as far
-uniform float point_noise;  // standard deviation of the points off their surfaces, scene units; 0 where not measured
 uniform float spacing;    // of the points between which a surface was closed, scene units; 0 where none was
 
 const float threshold = 2.0;              // mean details; in one of twenty of normal noise is more
@@ -67,6 +67,7 @@ bool filter_pixel(ivec2 square) {
   float side = float(2 << finest), pixel = 1.0 / pixels_at(own.x);
   vec2 center = (vec2(square) + 0.5) * side;
   vec3 here = eye_from_pixel(center, own.x), towards = to_camera(here);
+  float of_points = point_noise_at(here);
   float chance = spacing * smoothstep(2.5, 6.0, spacing / pixel);
   float reach = first_px * exp2(float(octaves - 1)) * pixel;
   vec4 rise = vec4(nothing), fall = vec4(nothing);  // towards four directions, and those opposite
@@ -74,7 +75,7 @@ bool filter_pixel(ivec2 square) {
     float away = first_px * exp2(float(o));
     int l = clamp(int(floor(log2(away))) - 2, finest, levels - 1);
     // Of half the distance, in which what is not noise but as large as the octave has its own detail.
-    float noise = max(max(threshold * noise_of(center, l + 1), deviations * point_noise), 0.5 * chance);
+    float noise = max(max(threshold * noise_of(center, l + 1), deviations * of_points), 0.5 * chance);
     for (int k = 0; k < 8; ++k) {
       vec2 place = center + away * compass[k];
       bool is_outside = any(lessThan(place, vec2(0.0))) || any(greaterThan(place, vec2(frame.image_size)));
@@ -92,6 +93,6 @@ bool filter_pixel(ivec2 square) {
   vec4 blocked = mix(vec4(0.0), 0.5 - 0.5 * cosine, greaterThan(rise + fall, vec4(0.0)));
   out_0.x = 1.0 - dot(blocked, vec4(0.25));
   for (int l = 0; l < 2; ++l) out_0.y = max(out_0.y, threshold * noise_of(center, finest + l));
-  out_0.y = max(out_0.y, deviations * point_noise);
+  out_0.y = max(out_0.y, deviations * of_points);
   return true;
 }

@@ -197,11 +197,16 @@ struct Renderer::State {
     const auto points = [&](const Item& item) { return cloud_of(item).gpu->size(); };
     return cloud_of(*std::ranges::max_element(items, {}, points)).gpu->median_spacing();
   }
-  /// The largest of the clouds, scene units; 0 where none was measured.
-  float surface_noise(std::span<const Item> items) {
-    float noise = 0;
-    for (const Item& item : items) noise = std::max(noise, cloud_of(item).prepared().noise);
-    return noise;
+  /// The largest of the clouds; of one that is a depth picture that of its sensor.
+  void find_noise(SamplePass& pass, const Camera& camera) {
+    pass.relief.noise = pass.relief.sensor_noise = 0;
+    for (const Item& item : pass.items)
+      pass.relief.noise = std::max(pass.relief.noise, cloud_of(item).prepared().noise);
+    const PreparedCloud& only = cloud_of(pass.items.front()).prepared();
+    if (pass.items.size() > 1 || !only.pictures) return;
+    pass.relief.sensor =
+        vec3(camera.view() * glm::dvec4(only.cloud.origin + dvec3(only.pictures->sensor), 1));
+    pass.relief.sensor_noise = only.pictures->noise;
   }
   /// Makes ready what the items draw from, and a camera that sees the depths of all of them.
   Camera fit_camera(std::span<const Item> items, const Camera& asked);
@@ -383,8 +388,9 @@ void Renderer::State::draw(SamplePass& pass, const Camera& camera) {
     ground.run(view, ground_plane, first.origin, target.color, target.depth, ground_factor, finish_scratch);
     std::swap(finish_scratch, target.color);
   }
-  pass.relief.spacing = closed_spacing(pass.items), pass.relief.noise = surface_noise(pass.items);
+  pass.relief.spacing = closed_spacing(pass.items);
   pass.relief.median_spacing = median_spacing(pass.items);
+  find_noise(pass, camera);
   post_processing.run(view, pass.relief, pass.with_smooth_outlines, target.color, target.depth, target.normal,
                       pass.timers);
 }

@@ -96,17 +96,23 @@ TEST_F(FinishCpuTest, LooksAsByShaders) {
   expect_alike("ridges above the noise");
   relief_.median_spacing = 0.04f;  // .8 to 3 px
   expect_alike("ridges of points");
+  relief_.occlusion = 1;
+  relief_.sensor = vec3(2, -1, -3), relief_.sensor_noise = 0.0002f;
+  expect_alike("noise of a sensor");
 }
 
 TEST_F(FinishCpuTest, Orthographic) {
   projection_ = Projection::orthographic;
   outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 0.7f, relief_.scaling = 0.25f;
   expect_alike("all");
+  relief_.sensor = vec3(2, -1, -3), relief_.sensor_noise = 0.0002f;
+  expect_alike("noise of a sensor");
 }
 
 // Lines, and squares of openness, are wider in pictures of more than 720 rows.
 TEST_F(FinishCpuTest, ATileOfALargePicture) {
   whole_ = {1920, 1600};
+  relief_.sensor = vec3(2, -1, -3), relief_.sensor_noise = 0.0002f;
   outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 1, relief_.scaling = 0.25f;
   expect_alike("all");
 }

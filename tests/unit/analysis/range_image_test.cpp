@@ -39,6 +39,15 @@ PointCloud view_of(vec3 normal_left, vec3 base_left, vec3 normal_right, vec3 bas
   return cloud;
 }
 
+/// Depths in steps of `step` times their square.
+void count_depths(PointCloud& cloud, float step) {
+  for (vec3& p : cloud.positions) {
+    const vec3 way = p - vec3(eye);
+    const float steps = std::round(1 / (step * way.y));
+    p = vec3(eye) + way * (1 / (step * steps) / way.y);
+  }
+}
+
 double worst_degrees(const PointCloud& cloud, vec3 left, vec3 right, double share) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -72,11 +81,7 @@ TEST(RangeImage, TerracesOfCountedDepthsAreNoShape) {
   // and so has terraces a few pixels wide.
   const vec3 wall = glm::normalize(vec3(-0.17f, -1, 0.1f));
   PointCloud cloud = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0);
-  for (vec3& p : cloud.positions) {
-    const vec3 way = p - vec3(eye);
-    const float steps = std::round(1 / (0.003f * way.y));
-    p = vec3(eye) + way * (1 / (0.003f * steps) / way.y);
-  }
+  count_depths(cloud, 0.003f);
   complete_from_grids(cloud, Attribute::normal | Attribute::radius);
   EXPECT_LT(worst_degrees(cloud, wall, wall, 0.9), 6) << "raw slopes are 0 or 25 degrees";
 }
@@ -101,6 +106,43 @@ TEST(RangeImage, NoiseIsSmoothedAway) {
   complete_from_grids(cloud, Attribute::normal);
   EXPECT_LT(worst_degrees(cloud, left, right, 0.5), 10);
   EXPECT_TRUE(cloud.radii.empty()) << "only what is needed";
+}
+
+// Of white noise its deviation; of counted depths at least that of rounding, step / sqrt(12), and at most
+// what has second differences of a step, step / sqrt(6): of terraces a few pixels wide a third has.
+TEST(RangeImage, TheNoiseOfASensorIsThatOfItsPicture) {
+  const vec3 left(0, -1, 0), right = glm::normalize(vec3(-0.5f, -1, 0.3f));
+  for (const float sigma : {0.001f, 0.004f, 0.016f}) {
+    const auto pictures = depth_pictures(view_of(left, {0, 2, 0}, right, {0, 5, 0}, sigma));
+    ASSERT_TRUE(pictures);
+    EXPECT_NEAR(pictures->noise, sigma, 0.2f * sigma);
+    EXPECT_EQ(pictures->sensor, vec3(eye));
+  }
+  const vec3 wall = glm::normalize(vec3(-0.17f, -1, 0.1f));
+  PointCloud counted = view_of(wall, {0, 2, 0}, wall, {0, 2, 0}, 0);
+  count_depths(counted, 0.003f);
+  EXPECT_GT(depth_pictures(counted)->noise, 0.98f * 0.003f / std::sqrt(12.0f));
+  EXPECT_LT(depth_pictures(counted)->noise, 1.02f * 0.003f / std::sqrt(6.0f));
+}
+
+// The noise of a sensor does not part what is one surface; depths of their own do.
+TEST(RangeImage, SurfacesContinueInPictures) {
+  const vec3 wall(0, -1, 0);
+  const PointCloud view = view_of(wall, {0, 2, 0}, wall, {0, 3, 0}, 0.004f);
+  EXPECT_GT(depth_pictures(view)->surface_share, 0.97f);
+  PointCloud leaves = view;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> depth(1, 4);
+  for (vec3& p : leaves.positions) p = vec3(eye) + (p - vec3(eye)) * (depth(random) / (p - vec3(eye)).y);
+  EXPECT_LT(depth_pictures(leaves)->surface_share, 0.2f);
+  // Of two pictures the share of both, and no one sensor.
+  PointCloud two = view;
+  append(two, view_of(wall, {0, 4, 0}, wall, {0, 4, 0}, 0.004f));
+  EXPECT_GT(depth_pictures(two)->surface_share, 0.97f);
+  EXPECT_EQ(depth_pictures(two)->noise, 0);
+  // Of points most of which are of no picture nothing is said.
+  two.grids.pop_back();
+  EXPECT_FALSE(depth_pictures(two));
 }
 
 // A technique that comes second, or a renderer that learns late which one is wanted, gets the same normals.

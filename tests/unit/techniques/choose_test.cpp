@@ -134,6 +134,33 @@ TEST(Choose, AForestIsNoSurfaceHoweverFewItsPointsAre) {
   }
 }
 
+// Of a far wall as noisy as its pixels are wide neighbours in space see no surface, those in the picture do:
+// in whatever order the file has them, and with the grid in it or not.
+TEST(Choose, NoisyDepthPicturesAreSurfaces) {
+  constexpr int width = 160, height = 120;
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, 1);
+  PointCloud cloud;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const float depth = x < width / 4 ? 0.8f : 4;
+      const vec3 ray((float(x) + 0.5f - width / 2) / 140, (float(y) + 0.5f - height / 2) / 140, 1);
+      cloud.positions.push_back((depth + 0.003f * depth * depth * noise(random)) * ray);
+    }
+  const SortedCloud in_space = sort_cloud(
+      [&] {
+        PointCloud moved = cloud;  // the origin is no sensor any more
+        for (vec3& p : moved.positions) p += vec3(3, 9, 40);
+        return moved;
+      }(),
+      {});
+  EXPECT_EQ(choose_technique(in_space.cloud, in_space.tree.get()).technique, "points");
+  std::shuffle(cloud.positions.begin(), cloud.positions.end(), random);
+  const TechniqueChoice choice = choice_for(cloud);
+  EXPECT_EQ(choice.technique, "splats");
+  EXPECT_GT(choice.surface_share, 0.9f);
+}
+
 TEST(Choose, PointsOnFacesAreOnSurfacesAndNobodyMeasures) {
   PointCloud leaves = wood(16'000, 25);
   leaves.normals.assign(leaves.size(), vec3(0, 0, 1));
