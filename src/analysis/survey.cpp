@@ -47,6 +47,12 @@ class Nearest {
   }
   std::span<const std::uint32_t> ids() const { return {id_.data(), std::size_t(count_)}; }
   float reach2() const { return count_ > 0 ? distance2_[count_ - 1] : 0; }
+  /// (Levina and Bickel 2004, Eq. 8, inverted); the first is the point itself.
+  float inverse_dimension() const {
+    float sum = 0;
+    for (int k = 1; k < count_; ++k) sum += 0.5f * std::log(reach2() / distance2_[k]);
+    return count_ > 2 ? sum / float(count_ - 2) : 0;
+  }
 
  private:
   std::span<const vec3> positions_;
@@ -58,6 +64,7 @@ class Nearest {
 struct Seen {
   float area = 0;     ///< a square of the spacing of its neighbours
   float surface = 0;  ///< share of it that is one, as far as they tell
+  float inverse_dimension = 0.5f;
 };
 
 /// Among the neighbours is the point itself, at distance 0, which is as good as any other.
@@ -66,7 +73,7 @@ Seen seen_from(const NeighborTree& tree, std::uint32_t at) {
   Nearest nearest(positions);
   tree.search(positions[at], nearest);
   const auto frame = local_frame(positions, at, nearest.ids());
-  if (!frame || !(frame->variance.z > 0)) return {};
+  if (!frame || !(frame->variance.z > 0)) return {0, 0, nearest.inverse_dimension()};
   int agree = 0, all = 0;
   for (std::size_t k = 1; k < nearest.ids().size(); k += asked, ++all) {
     const std::uint32_t id = nearest.ids()[k];
@@ -77,7 +84,7 @@ Seen seen_from(const NeighborTree& tree, std::uint32_t at) {
   }
   const VoronoiCell cell = cell_of(positions, at, nearest.ids(), *frame, frame->normal);
   return {nearest.reach2() * float(M_PI / neighbors),
-          surrounded(cell) * float(agree) / float(std::max(all, 1))};
+          surrounded(cell) * float(agree) / float(std::max(all, 1)), nearest.inverse_dimension()};
 }
 
 double residual_around(std::span<const vec3> positions, const KNearest& nearest) {
@@ -95,9 +102,9 @@ double residual_around(std::span<const vec3> positions, const KNearest& nearest)
 
 }  // namespace
 
-float surface_share(const NeighborTree& tree) {
+SurfaceShare surface_share(const NeighborTree& tree) {
   const std::size_t n = tree.positions().size(), count = std::min(n, places);
-  if (n <= neighbors) return 1;
+  if (n <= neighbors) return {};
   std::vector<Seen> seen(count);
   tbb::parallel_for(std::size_t(0), count,
                     [&](std::size_t k) { seen[k] = seen_from(tree, std::uint32_t(k * n / count)); });
@@ -111,22 +118,23 @@ float surface_share(const NeighborTree& tree) {
     size[axis] = value_at_share(along, 0.98) - value_at_share(along, 0.02);
   }
   const float widest = std::max(closed_of_diagonal * glm::length(size), closed_spacings * std::sqrt(usual));
-  double surface = 0, all = 0;
+  double surface = 0, all = 0, inverse = 0;
   for (const Seen& each : seen) {
     // Outliers stand for nothing.
     const double area = std::min(each.area, most),
                  shown = widest * widest / (widest_gap_spacings * widest_gap_spacings);
     surface += std::min(area, shown) * each.surface, all += area;
+    inverse += each.inverse_dimension / double(count);
   }
-  return all > 0 ? float(surface / all) : 0;
+  return {all > 0 ? float(surface / all) : 0, inverse > 0 ? float(1 / inverse) : 2};
 }
 
-float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree) {
-  return prepared.surface_share.get([&] {
+SurfaceShare surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree) {
+  return prepared.surface_share.get([&]() -> SurfaceShare {
     const Attributes all = Attribute::normal | Attribute::radius;
     const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);
-    if (all.without(of_file).empty()) return 1.0f;
-    if (prepared.pictures) return prepared.pictures->surface_share;
+    if (all.without(of_file).empty()) return {};
+    if (prepared.pictures) return {prepared.pictures->surface_share};
     return tree ? surface_share(*tree) : surface_share(NeighborTree(prepared.cloud.positions));
   });
 }

@@ -8,12 +8,13 @@
 
 namespace sfumato::analysis {
 
-/// Share of the area that discs would cover for which neighbours vouch: points surround it in all directions,
-/// and the planes through them agree. From 2048 places of a cloud in Morton order.
-float surface_share(const NeighborTree& tree);
+/// `surface`: the share of the area that discs would cover for which neighbours vouch: points surround it in
+/// all directions, and the planes through them agree. `dimension`: over the mean of its inverse, by maximum
+/// likelihood (Levina and Bickel 2004). From 2048 places of a cloud in Morton order.
+SurfaceShare surface_share(const NeighborTree& tree);
 /// The same of a prepared cloud, measured once. Where the file has normals and sizes of all points, as of
 /// faces, all of it is. `tree`: over its positions, or nothing where it is still to be built.
-float surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree = nullptr);
+SurfaceShare surface_share_of(const PreparedCloud& prepared, const NeighborTree* tree = nullptr);
 /// From here on a picture is one of surfaces, and light shows their shape (the curve: docs/first_look.md).
 inline constexpr float enough_surface = 0.75f;
 

@@ -82,6 +82,12 @@ struct ViewPlaces {
   std::vector<std::uint32_t> cell;  ///< per point: row * width + column
 };
 
+/// How much of a cloud is surface, 0 to 1, and the dimension of what is there, 1 of lines, 2 of surfaces
+/// (analysis/survey.h).
+struct SurfaceShare {
+  float surface = 1, dimension = 2;
+};
+
 /// Of points that are the pixels of depth pictures, whose neighbours are known without searching.
 struct DepthPictures {
   /// The share of the points that neighbours beside and above or below continue as one surface, no steeper
@@ -155,7 +161,7 @@ struct PreparedCloud {
   std::vector<float> support;
   int neighbors = 24;  ///< that computed attributes were measured from
   /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
-  MadeOnce<float> surface_share;
+  MadeOnce<SurfaceShare> surface_share;
   std::optional<DepthPictures> pictures;  ///< which the cloud was when it was sorted
   /// What spacings are stored in as halves: the power of two near the median; any other rounds the same.
   float spacing_unit() const {

@@ -12,6 +12,10 @@ namespace {
 /// Fewer points than this have too few neighbours each for normals that mean something, and discs that meet
 /// would be 50 pixels wide in a picture that they fill.
 constexpr std::size_t few = 2000;
+/// Where this much is surface, and what is there has no fewer dimensions than one, `splats` lights and closes
+/// it and draws dots beside it, which readers preferred to points; between scan lines it draws planks
+/// (docs/measurements/dots.md).
+constexpr float some_surface = 0.4f, of_surfaces = 2;
 /// Points in one place count once.
 std::size_t places_of(const std::vector<vec3>& in_order) {
   std::size_t places = in_order.empty() ? 0 : 1;
@@ -28,14 +32,19 @@ TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::
     const bool all_apart = places == prepared.cloud.size();
     return {"points", "only " + counted(places, all_apart ? "point" : "place"), 1, true};
   }
-  const float surface = analysis::surface_share_of(prepared, tree);
+  const auto [surface, dimension] = analysis::surface_share_of(prepared, tree);
   const std::string percent = std::to_string(int(std::lround(100 * surface))) + " %";
-  if (surface < analysis::enough_surface)
+  // `surface` has no dots where there is none.
+  const bool has_some = !by_levels && surface >= some_surface && dimension >= of_surfaces;
+  if (surface < analysis::enough_surface && !has_some)
     return {"points", "scattered points or lines: neighbours vouch for " + percent + " of a surface",
             surface};
   // Of 28.8 million points that a view of 1920x1080 reads, `splats` measures the neighbours for 36 s on two
   // cores; `surface` needs none.
-  return {by_levels ? "surface" : "splats", "surfaces: neighbours vouch for " + percent, surface};
+  return {by_levels ? "surface" : "splats",
+          (surface < analysis::enough_surface ? "surfaces and scattered points" : "surfaces") +
+              (": neighbours vouch for " + percent),
+          surface};
 }
 
 }  // namespace sfumato
