@@ -510,6 +510,7 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   if (support) prepared.support = std::move(new_support);
   prepared.available = attributes_of(cloud);
   if (!prepared.support.empty()) prepared.available = prepared.available | Attribute::support;
+  if (prepared.surroundings) prepared.available = prepared.available | Attribute::surroundings;
   prepared.computed = prepared.computed | prepared.available.without(found);
   if (prepared.available.has(Attribute::radius) && !(prepared.median_radius > 0))
     prepared.median_radius = median_radius(prepared, cloud.radii);

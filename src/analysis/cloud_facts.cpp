@@ -148,6 +148,11 @@ std::uint64_t hash_of(std::span<const std::uint8_t> record) {
   return hash;
 }
 
+bool is_sampled(const dvec3& place, std::uint64_t points) {
+  constexpr std::uint64_t all = ~std::uint64_t(0);
+  return points <= CloudFacts::most_sampled || hash_of(place) <= all / points * CloudFacts::most_sampled;
+}
+
 bool CloudFacts::Point::operator<(const Point& other) const {
   return std::tie(hash, place.x, place.y, place.z) <
          std::tie(other.hash, other.place.x, other.place.y, other.place.z);

@@ -82,6 +82,8 @@ struct Neighborhoods {
 std::uint64_t hash_of(const dvec3& place);
 /// Records of points likewise.
 std::uint64_t hash_of(std::span<const std::uint8_t> record);
+/// Whether a place is in a random sample of about `most_sampled` of so many points, whichever part it is in.
+bool is_sampled(const dvec3& place, std::uint64_t points);
 /// Of places by hash the first.
 std::vector<dvec3> first_places(const std::vector<CloudFacts::Place>& places, std::size_t count);
 /// `tree`: over points relative to `origin`. `count`: how many a place has, itself included.

@@ -27,26 +27,6 @@ PointCloud along_the_curve(PointCloud cloud) {
   return cloud;
 }
 
-/// Of a disc at each place (Seemann 2018, Eq. 20), and how far what is around it scatters.
-struct Discs {
-  std::vector<float> radii, scatter;
-};
-
-Discs discs_at(const Neighborhoods& around) {
-  Discs discs;
-  for (std::size_t k = 0; k < around.places.size(); ++k) {
-    const std::vector<dvec3>& nearest = around.nearest[k];
-    if (nearest.size() < 2) continue;
-    std::vector<vec3> near;
-    for (const dvec3& at : nearest) near.emplace_back(at - around.places[k]);
-    discs.radii.push_back(radius_of(glm::length(near.back()), near.size() - 1));
-    std::vector<std::uint32_t> others(near.size() - 1);
-    std::iota(others.begin(), others.end(), 1u);
-    if (const auto frame = local_frame(near, 0, others)) discs.scatter.push_back(scatter_of(*frame));
-  }
-  return discs;
-}
-
 Neighborhoods nearest_of(const Neighborhoods& around, std::size_t count) {
   Neighborhoods out{around.places, {}};
   for (const std::vector<dvec3>& nearest : around.nearest)
@@ -62,6 +42,21 @@ PointCloud places_only(const PointCloud& cloud) {
 }
 
 }  // namespace
+
+Discs discs_at(const Neighborhoods& around) {
+  Discs discs;
+  for (std::size_t k = 0; k < around.places.size(); ++k) {
+    const std::vector<dvec3>& nearest = around.nearest[k];
+    if (nearest.size() < 2) continue;
+    std::vector<vec3> near;
+    for (const dvec3& at : nearest) near.emplace_back(at - around.places[k]);
+    discs.radii.push_back(radius_of(glm::length(near.back()), near.size() - 1));
+    std::vector<std::uint32_t> others(near.size() - 1);
+    std::iota(others.begin(), others.end(), 1u);
+    if (const auto frame = local_frame(near, 0, others)) discs.scatter.push_back(scatter_of(*frame));
+  }
+  return discs;
+}
 
 NeighborhoodFacts neighborhood_facts_of(const PointCloud& part, const CloudFacts& whole) {
   const PointCloud sorted = along_the_curve(places_only(part));
@@ -116,6 +111,12 @@ PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes
   std::vector<std::uint32_t> kept;
   for (std::uint32_t i = 0; i < prepared.cloud.size(); ++i)
     if (prepared.cloud.source_index[i] < count) kept.push_back(i);
+  if (needs.has(Attribute::surroundings)) {
+    auto all = std::make_shared<PreparedCloud>(prepared);
+    all->cloud.colors = {};
+    prepared.surroundings = std::move(all), prepared.in_surroundings = kept;
+    prepared.available = prepared.available | Attribute::surroundings;
+  }
   keep_only(prepared.shrunk, kept), keep_only(prepared.on_surface, kept);
   keep_only(prepared.support, kept);
   prepared.cloud = select(prepared.cloud, kept);

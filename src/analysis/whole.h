@@ -31,8 +31,15 @@ void merge(NeighborhoodFacts& into, const NeighborhoodFacts& of);
 std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const NeighborhoodFacts& around,
                                            const dvec3& origin);
 
+/// Of a disc at each place (Seemann 2018, Eq. 20), and how far what is around it scatters.
+struct Discs {
+  std::vector<float> radii, scatter;
+};
+Discs discs_at(const Neighborhoods& around);
+
 /// As `prepare`. What is computed from neighbours finds them among `around` too, points of other parts
-/// (analysis/regions.h), which are not in the result: nothing can be computed later.
+/// (analysis/regions.h), which are not in the result: nothing can be computed later, unless `needs` has
+/// Attribute::surroundings.
 PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes needs,
                            const PrepareOptions& options, Progress& progress,
                            std::shared_ptr<const WholeCloud> whole);

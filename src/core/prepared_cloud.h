@@ -15,7 +15,14 @@
 namespace sfumato {
 
 /// What a technique may need beyond positions. A bit set.
-enum class Attribute : std::uint32_t { normal = 1, radius = 2, uncertainty = 4, cluster = 8, support = 16 };
+enum class Attribute : std::uint32_t {
+  normal = 1,
+  radius = 2,
+  uncertainty = 4,
+  cluster = 8,
+  support = 16,
+  surroundings = 32  ///< of a part of a cloud: PreparedCloud::surroundings
+};
 
 class Attributes {
  public:
@@ -168,7 +175,25 @@ struct PreparedCloud {
     return median_spacing > 0 ? std::exp2(std::round(std::log2(median_spacing))) : 1;
   }
   std::shared_ptr<const WholeCloud> whole;  ///< of which this is a part; null: this is all of it
-  ViewPlaces views;                         ///< empty unless normals or radii may still come from RGB-D views
+  /// The points of a part among those of others around it (analysis/regions.h), prepared alike, for what is
+  /// measured later; null: there are no others, or nobody asked for them.
+  std::shared_ptr<const PreparedCloud> surroundings;
+  std::vector<std::uint32_t> in_surroundings;  ///< place there of every point
+  /// Of attributes, those that are not there: nothing surrounds the whole.
+  Attributes lacking(Attributes needs) const {
+    return (whole ? needs : needs.without(Attribute::surroundings)).without(available);
+  }
+  const PreparedCloud& with_surroundings() const { return surroundings ? *surroundings : *this; }
+  /// Of values of `with_surroundings`, those of the points themselves.
+  template <class T>
+  std::vector<T> own_of(std::vector<T> values) const {
+    if (!surroundings || values.empty()) return values;
+    std::vector<T> own;
+    own.reserve(in_surroundings.size());
+    for (const std::uint32_t i : in_surroundings) own.push_back(values[i]);
+    return own;
+  }
+  ViewPlaces views;  ///< empty unless normals or radii may still come from RGB-D views
 };
 
 }  // namespace sfumato

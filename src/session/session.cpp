@@ -338,7 +338,7 @@ void Session::set_background(const std::optional<vec3>& background) { options_.b
 
 void Session::complete(std::size_t part, Attributes needs, Progress& progress) {
   renderer_.complete(
-      part, [&](const PreparedCloud& of) { return !needs.without(of.available).empty(); },
+      part, [&](const PreparedCloud& of) { return !of.lacking(needs).empty(); },
       [&](PreparedCloud& of) { analysis::complete(of, needs, options_.prepare, progress); });
 }
 

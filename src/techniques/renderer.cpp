@@ -588,7 +588,7 @@ bool Renderer::merges(const Technique& technique, const Camera& camera,
 
 bool Renderer::has_needs(const Technique& technique) const {
   const PreparedCloud& prepared = state_->clouds.front()->prepared();
-  return prepared.cloud.empty() || technique.needs().without(prepared.available).empty();
+  return prepared.cloud.empty() || prepared.lacking(technique.needs()).empty();
 }
 
 VisiblePoints Renderer::visible(Technique& technique, const Camera& asked, const RenderSettings& settings,

@@ -295,7 +295,7 @@ TEST_P(EveryTechnique, EveryParameterAtBothEnds) {
       SCOPED_TRACE(param.name + " = " + value);
       param.set(value);
       const PreparedCloud& prepared = renderer.prepared();
-      if (!technique->needs().without(prepared.available).empty()) show(renderer, cloud, technique->needs());
+      if (!prepared.lacking(technique->needs()).empty()) show(renderer, cloud, technique->needs());
       if (technique->shows(s.shading)) {
         const RenderOutput out = renderer.render(*technique, front_camera(40, 30), s, all_outputs());
         expect_finite(out);
@@ -406,7 +406,7 @@ TEST_P(EveryTechnique, EveryParameterChangesThePicture) {
     if (!technique->shows(s.shading)) return std::nullopt;
     const Attributes needs = technique->needs();
     renderer.complete(
-        0, [&](const PreparedCloud& of) { return !needs.without(of.available).empty(); },
+        0, [&](const PreparedCloud& of) { return !of.lacking(needs).empty(); },
         [&](PreparedCloud& of) { analysis::complete(of, needs, {}, no_progress()); });
     try {
       return renderer.render(*technique, front_camera(48, 36), s, {});
