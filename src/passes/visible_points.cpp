@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -34,6 +35,15 @@ void VisiblePoints::add_round(VisiblePoints next) {
   if (!next.bins.empty()) bins_serial = serial;
   take(bins, next.bins), take(bin_sums, next.bin_sums);
   outliers += next.outliers;
+  for (Values& kind : next.values) values.push_back(std::move(kind));
+  if (!next.seen_through.empty()) seen_through = std::move(next.seen_through);
+}
+
+bool VisiblePoints::SeenThrough::operator<(const SeenThrough& other) const {
+  const auto key = [](const SeenThrough& p) {
+    return std::tie(p.number, p.place.x, p.place.y, p.place.z, p.field, p.radius);
+  };
+  return key(*this) < key(other);
 }
 
 namespace {
@@ -70,6 +80,23 @@ std::vector<VisiblePoints::Bin> merged_bins(const std::vector<VisiblePoints::Bin
   return out;
 }
 
+/// Both in order.
+template <class T>
+std::vector<T> merged_in_order(const std::vector<T>& a, const std::vector<T>& b) {
+  std::vector<T> out(a.size() + b.size());
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), out.begin());
+  return out;
+}
+
+void merge_values(std::vector<VisiblePoints::Values>& into, const std::vector<VisiblePoints::Values>& of) {
+  if (into.size() != of.size())
+    throw Error(ErrorCode::usage, "parts of different rounds cannot be merged: ask all in the same order");
+  for (std::size_t k = 0; k < into.size(); ++k) {
+    into[k].sample = merged_in_order(into[k].sample, of[k].sample), into[k].count += of[k].count;
+    into[k].least = std::min(into[k].least, of[k].least), into[k].most = std::max(into[k].most, of[k].most);
+  }
+}
+
 }  // namespace
 
 void merge(VisiblePoints& into, const VisiblePoints& of) {
@@ -80,6 +107,8 @@ void merge(VisiblePoints& into, const VisiblePoints& of) {
   merge_pixels(into.vouching, of.vouching, nearer);
   merge_pixels(into.color_sum, of.color_sum, sum);
   merge_pixels(into.normal_sum, of.normal_sum, sum);
+  merge_values(into.values, of.values);
+  into.seen_through = merged_in_order(into.seen_through, of.seen_through);
   into.bins = merged_bins(into.bins, of.bins), into.outliers += of.outliers;
   merge_pixels(into.bin_sums, of.bin_sums, [](VisiblePoints::BinSums a, const VisiblePoints::BinSums& b) {
     for (std::size_t k = 0; k < a.size(); ++k) a[k] += b[k];

@@ -44,6 +44,26 @@ struct VisiblePoints {
   Image<BinSums> bin_sums{};
   std::uint64_t outliers = 0;  ///< points of the parts that are left out; said in one of the rounds
 
+  /// Numbers that points have, where what is automatic is a share or a median of all (techniques/soft): of
+  /// each kind those of a random sample of the whole (analysis::is_sampled), ascending, and, where it
+  /// matters, how many points have one and between what all of them lie. Each round adds its kinds.
+  struct Values {
+    std::vector<float> sample;
+    std::uint64_t count = 0;
+    float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
+  };
+  std::vector<Values> values{};
+  /// Points that are seen through, of which a pixel shows any number: those that may be in view, by number
+  /// and then by place, which is relative to the origin of the whole.
+  struct SeenThrough {
+    std::uint32_t number = 0;
+    vec3 place{0}, normal{0};
+    float radius = 0, field = 0;
+    Rgba8 color;
+    bool operator<(const SeenThrough& other) const;
+  };
+  std::vector<SeenThrough> seen_through{};
+
   /// Of surfaces one behind the other, in a round each (techniques/layers): the points of the rounds before,
   /// from front to back. Those of all parts: nobody merges them again.
   std::vector<VisiblePoints> in_front{};

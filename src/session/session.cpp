@@ -431,9 +431,12 @@ VisiblePoints Session::visible(const Look& look, const Camera& camera, const Vis
   RenderSettings settings = look.settings;
   const std::vector<Item> items = resolve(look, settings, camera, progress);
   VisiblePoints visible = renderer_.visible(*items.front().technique, camera, settings, merged, progress);
-  if (const auto& numbers = parts_.front().source_index)
+  if (const auto& numbers = parts_.front().source_index) {
     for (std::uint32_t& number : visible.number)
       if (number != VisiblePoints::nothing) number = (*numbers)[number];
+    for (VisiblePoints::SeenThrough& point : visible.seen_through) point.number = (*numbers)[point.number];
+    std::sort(visible.seen_through.begin(), visible.seen_through.end());
+  }
   return visible;
 }
 

@@ -126,6 +126,11 @@ Bytes BytesOf(const VisiblePoints& visible) {
   bytes.Put(visible.outliers), bytes.PutAll(visible.bins);
   const auto sums = PutPlaces(bytes, visible.bin_sums, [](const VisiblePoints::BinSums& sum) { return sum[0] > 0; });
   PutPixels(bytes, visible.bin_sums, sums, whole);
+  bytes.PutAll(visible.seen_through), bytes.Put(visible.values.size());
+  for (const VisiblePoints::Values& kind : visible.values) {
+    bytes.PutAll(kind.sample), bytes.Put(kind.count);
+    bytes.Put(kind.least), bytes.Put(kind.most);
+  }
   return bytes;
 }
 
@@ -150,6 +155,14 @@ void Take(Bytes& bytes, VisiblePoints& visible) {
   TakePixels<vec4>(bytes, surface, visible.normal_sum, vec4(0), whole);
   bytes.Take(visible.outliers), bytes.TakeAll(visible.bins);
   TakePixels<VisiblePoints::BinSums>(bytes, Places(bytes), visible.bin_sums, {}, whole);
+  bytes.TakeAll(visible.seen_through);
+  std::size_t kinds = 0;
+  bytes.Take(kinds);
+  visible.values.resize(kinds);
+  for (VisiblePoints::Values& kind : visible.values) {
+    bytes.TakeAll(kind.sample), bytes.Take(kind.count);
+    bytes.Take(kind.least), bytes.Take(kind.most);
+  }
 }
 
 /// Points of ParaView's data have nothing else.
