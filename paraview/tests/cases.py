@@ -194,7 +194,7 @@ ALIKE = 1e-3
 # Of surfaces, spacings, by which outlines and gaps are a little wider or narrower: a stretch of the curve has the median
 # of a hundred places, off by 3 %. Of this torus 1.7 % of the pixels differ by more than a step, .4 % by more than 8.
 # Of layers they decide besides which of the discs that meet in a pixel is in front: 9.1 % and .4 %.
-ALIKE_OF = {"points": OF_ONE_DEPTH, "splats": ALIKE, "surface": 0.03, "layers": 0.1, "denoise": ALIKE, "soft": OF_ONE_DEPTH}
+ALIKE_OF = {"points": OF_ONE_DEPTH, "splats": ALIKE, "surface": 0.03, "layers": 0.1, "denoise": ALIKE, "soft": ALIKE, "strokes": OF_ONE_DEPTH}
 BY_MORE_THAN_8 = 0.01
 
 
@@ -359,8 +359,10 @@ def frames():
 def ranks():
     technique, how = ARGUMENTS
     view = view_of()
-    display = show(source(40000, how, cells=True), view, technique)
-    got, expected = shot(view, "picture"), of_command(40000, technique)
+    # A torus has no uncertain points.
+    given, options = ({"SfumatoSoftField": "distance"}, ["--field", "distance"]) if technique == "soft" else ({}, [])
+    display = show(source(40000, how, cells=True), view, technique, **given)
+    got, expected = shot(view, "picture"), of_command(40000, technique, options=options)
     same(got, expected, f"{technique}, {how}, {RANKS} ranks", ALIKE_OF[technique])
     same(got, expected, "clearly", BY_MORE_THAN_8, 8)
     if technique != "surface": return
@@ -374,12 +376,12 @@ def switch():
     points = source(40000, "slab")
     display = show(points, view, "points")
     shots = []
-    for technique in ("points", "splats", "surface", "layers", "denoise", "points"):
+    for technique in ("points", "splats", "soft", "surface", "layers", "denoise", "points"):
         display.SfumatoTechnique = technique
         shots.append(shot(view, f"{len(shots)}_{technique}"))
         same(shots[-1], of_command(40000, technique), technique, ALIKE_OF[technique])
     assert (shots[0] == shots[-1]).all(), "points after other techniques are others"
-    for technique in ("splats", "surface", "layers", "denoise"):
+    for technique in ("splats", "soft", "surface", "layers", "denoise"):
         display.SfumatoTechnique = technique
         for n in (20000, 30000):
             points.Script = script(n, "slab", False)
@@ -388,14 +390,14 @@ def switch():
 
 def equal():
     """The pictures that ranks made, however points were spread; of points, surfaces and layers on 2 ranks and more alike, of
-    splats and denoise on so many (their neighbours' stretch of the curve has other ends, and sums round otherwise). One process
+    splats, soft and denoise on so many (their neighbours' stretch of the curve has other ends, and sums round otherwise). One process
     measures the noise that relief leaves out at other places: of points one pixel is another by one step."""
     names = sorted(glob.glob(os.path.join(SCRATCH, f"ranks_{ARGUMENTS[0]}_*_picture.png")))
     assert len(names) == 8, names
     first = {}
     for name in names:
         ranks = int(re.search(r"_(\d)_picture", name)[1])
-        other = first.setdefault(ranks if ARGUMENTS[0] in ("splats", "denoise") else min(ranks, 2), name)
+        other = first.setdefault(ranks if ARGUMENTS[0] in ("splats", "soft", "denoise") else min(ranks, 2), name)
         assert (pixels(name) == pixels(other)).all(), (name, other)
     for name in first.values():
         same(pixels(name), pixels(names[0]), name, max(ALIKE, ALIKE_OF[ARGUMENTS[0]]))

@@ -49,7 +49,8 @@ std::vector<Part> parts_of(const PointCloud& cloud, std::size_t count,
 }
 
 /// The same, dealt out anew.
-std::vector<Part> shares_of(const PointCloud& cloud, std::size_t count) {
+std::vector<Part> shares_of(const PointCloud& cloud, std::size_t count,
+                            const std::string& technique = "splats") {
   PointCloud all = cloud;
   all.source_index.resize(all.size());
   std::iota(all.source_index.begin(), all.source_index.end(), 0u);
@@ -63,7 +64,7 @@ std::vector<Part> shares_of(const PointCloud& cloud, std::size_t count) {
     analysis::Share share =
         analysis::share_of({analysis::points_near(all, regions[k], analysis::reach_of(*whole))}, regions[k]);
     parts[k].renderer->set_part(std::move(share.own), whole, coloring,
-                                PartRenderer::Around{std::move(share.around), "splats"});
+                                PartRenderer::Around{std::move(share.around), technique});
   }
   return parts;
 }
@@ -125,6 +126,34 @@ TEST(PartRenderer, SplatsAreOnePictureWhoeverDrawsIt) {
     EXPECT_FALSE(differ(first.color.data()[i], last.color.data()[i])) << i;
 }
 
+TEST(PartRenderer, SoftPartsAreOnePictureWhoeverDrawsIt) {
+  const PointCloud cloud = two_halves();
+  const Parameters parameters{{"field", "distance"}};
+  HeadlessRenderer one;
+  one.set_whole(true);
+  ColorSettings coloring;
+  coloring.color_by = "rgb", coloring.exposure = 1;
+  one.set_cloud(cloud, coloring);
+  const Pictures whole = one.render("soft", view, parameters, std::nullopt);
+  EXPECT_TRUE(shares_of(cloud, 3).front().renderer->lacks("soft", parameters));  // who is around
+  const std::vector<Part> shares = shares_of(cloud, 3, "soft");
+  for (const Part& share : shares) {
+    EXPECT_FALSE(share.renderer->lacks("soft", parameters));
+    EXPECT_FALSE(share.renderer->lacks("splats", {}));
+  }
+  for (const std::size_t by : {0, 2}) {
+    const Pictures parts = picture(shares, by, "soft", parameters);
+    EXPECT_EQ(parts.notes, whole.notes);
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < parts.color.size(); ++i) {
+      const Rgba8 a = parts.color.data()[i], b = whole.color.data()[i];
+      different += std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)}) > 1;
+    }
+    EXPECT_LT(different, parts.color.size() / 1000) << by;
+    EXPECT_GT(std::ranges::count_if(parts.color, [](const Rgba8& c) { return c.a > 0 && c.a < 250; }), 2000);
+  }
+}
+
 TEST(PartRenderer, LayersAreOnePictureWhoeverDrawsIt) {
   const PointCloud cloud = two_halves();
   const std::vector<Part> one = parts_of(cloud, 1, [](std::uint32_t) { return 0; });
@@ -150,7 +179,10 @@ TEST(PartRenderer, SaysWhatItCannotMerge) {
   EXPECT_TRUE(part.merges("points", view, {}));
   EXPECT_FALSE(part.merges("points", view, {{"shadows", "soft"}}));
   EXPECT_FALSE(part.merges("points", view, {{"samples", "4"}}));
-  EXPECT_FALSE(part.merges("soft", view, {}));
+  EXPECT_FALSE(part.merges("strokes", view, {}));
+  EXPECT_TRUE(part.merges("soft", view, {}));
+  EXPECT_FALSE(part.merges("soft", view, {{"model", "one_layer"}}));
+  EXPECT_FALSE(part.merges("soft", view, {{"field", "sensor"}}));
   EXPECT_NE(part.resolve("auto"), "auto");
 }
 

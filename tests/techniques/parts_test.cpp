@@ -6,6 +6,7 @@
 
 #include "analysis/attributes.h"
 #include "analysis/prepare.h"
+#include "analysis/quantiles.h"
 #include "analysis/regions.h"
 #include "analysis/spacing.h"
 #include "analysis/survey.h"
@@ -127,6 +128,10 @@ class PartsTest : public GlTest {
 
   /// Dealt out anew, in as many shares.
   RenderOutput by_shares(const PointCloud& cloud, const Members& members, bool know_the_whole = true) {
+    return drawn(shares_of(cloud, members, know_the_whole));
+  }
+  std::vector<PreparedCloud> shares_of(const PointCloud& cloud, const Members& members,
+                                       bool know_the_whole = true) {
     Parts parts = cut(cloud, members);
     for (std::size_t k = 0; k < members.size(); ++k) parts.clouds[k].source_index = members[k];
     std::vector<PreparedCloud> shares;
@@ -138,7 +143,7 @@ class PartsTest : public GlTest {
       shares.push_back(analysis::prepare_part(std::move(share.own), share.around, technique()->needs(), {},
                                               no_progress(), know_the_whole ? parts.whole : nullptr));
     }
-    return drawn(shares);
+    return shares;
   }
 
   RenderOutput by_parts(const Parts& parts, const Members& members) {
@@ -146,6 +151,8 @@ class PartsTest : public GlTest {
     for (const PointCloud& part : parts.clouds) all.push_back(prepare(part, parts.whole));
     return drawn(all, members);
   }
+
+  RenderOutput drawn_alone(const std::vector<PreparedCloud>& parts, int in_round);
 
   /// What all splits of the cloud show, that of one part first.
   RenderOutput same_of_splits(const PointCloud& cloud);
@@ -404,6 +411,211 @@ TEST_F(PartsTest, NoShareTellsOutliersAlone) {
   EXPECT_GT(at_once, 2000u);
   EXPECT_NEAR(double(by_shares(cloud, members).outliers), double(at_once), 0.02 * double(at_once));
   EXPECT_LT(by_shares(cloud, members, false).outliers, at_once / 2);
+}
+
+/// A red sheet close before a blue one, both dense, in some of eight shares, before a sparse one: for the
+/// whole they are one surface, and for themselves two.
+PointCloud dense_sheets_before_a_sparse_one() {
+  PointCloud cloud;
+  const auto add_sheet = [&](float left, float step, int count, float depth, const Rgba8& color) {
+    for (int i = 0; i < count; ++i)
+      for (int k = 0; k < count; ++k) {
+        cloud.positions.push_back({left + step * float(i), depth, 0.2f + step * float(k - count / 2)});
+        cloud.colors.push_back(color);
+      }
+  };
+  add_sheet(-4, 0.04f, 200, 1, {120, 120, 120, 255});
+  add_sheet(0.2f, 0.005f, 80, 0, {255, 0, 0, 255});
+  add_sheet(0.2f, 0.005f, 80, 0.06f, {0, 0, 255, 255});
+  cloud.origin = {5e5, 4e6, 100};
+  return cloud;
+}
+
+/// A wall, a sphere before it, and leaves beside it, all in the right half: nearly a fifth of the points.
+/// Some are of class 5, and a scalar grows to the right.
+PointCloud with_leaves(int leaves = 4'500) {
+  PointCloud cloud;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> any(-1, 1);
+  const auto add = [&](const vec3& place, const Rgba8& color) {
+    cloud.positions.push_back(place), cloud.colors.push_back(color);
+  };
+  for (int i = 0; i < 12'000; ++i)
+    add({1.5f * any(random), 0.9f, 1.2f * any(random)}, {std::uint8_t(120 + i % 90), 120, 60, 255});
+  for (int i = 0; i < 6'000; ++i) {
+    vec3 way(any(random), any(random), any(random));
+    while (glm::length(way) < 0.1f || glm::length(way) > 1) way = {any(random), any(random), any(random)};
+    add(0.35f * glm::normalize(way) - vec3(0.6f, 0, 0), {60, 90, std::uint8_t(150 + i % 80), 255});
+  }
+  for (int i = 0; i < leaves; ++i)
+    add(vec3(0.7f, 0, 0.1f) + 0.45f * vec3(any(random), any(random), any(random)), {40, 160, 40, 255});
+  ScalarField classes{"classification", 0, {}}, height{"height", 0, {}};
+  for (const vec3& place : cloud.positions) {
+    classes.values.push_back(place.z > 0.7f ? 5 : 2);
+    height.values.push_back(100 + 20 * place.x);
+  }
+  cloud.scalars = {classes, height};
+  cloud.origin = {5e5, 4e6, 100};
+  return cloud;
+}
+
+TEST_F(PartsTest, SoftPartsAreOnePictureLikeThatAtOnce) {
+  name_ = "soft";
+  const PointCloud cloud = with_leaves();
+  const RenderOutput whole = at_once(cloud);
+  ASSERT_EQ(whole.notes.size(), 1u);
+  std::map<std::size_t, RenderOutput> of_so_many;
+  for (const auto& [name, members] : splits(cloud)) {
+    const RenderOutput parts = by_shares(cloud, members);
+    // Discs of leaves have other normals than in one process, as those of noise have.
+    EXPECT_LT(differing(parts, whole, 1), members.size() == 1 ? 5e-4 : 0.1) << name;
+    EXPECT_LT(differing(parts, whole, 24), 0.01) << name;
+    EXPECT_EQ(parts.notes, whole.notes) << name;
+    const auto [first, is_first] = of_so_many.try_emplace(members.size(), parts);
+    if (!is_first) expect_same(parts, first->second, name);
+  }
+}
+
+TEST_F(PartsTest, SoftPartsOfEveryKindAreLikeThatAtOnce) {
+  name_ = "soft";
+  const PointCloud cloud = with_leaves(0);
+  const Members members = split(cloud, 3, [](std::uint32_t i) { return i % 3; });
+  for (const std::map<std::string, std::string>& parameters : std::vector<std::map<std::string, std::string>>{
+           {{"model", "base"}},
+           {{"model", "concentric"}},
+           {{"order", "axis"}},
+           {{"opacity", "0.5"}},
+           {{"radius_scale", "3"}},
+           {{"clamp_radius", "false"}},
+           {{"antialias", "false"}},
+           {{"field_threshold", "0.4"}},
+           {{"field_threshold", "-1"}},
+           {{"field_threshold", "1"}},
+           {{"field_invert", "true"}},
+           {{"field", "distance"}},
+           {{"field", "distance"}, {"clamp_radius", "false"}},
+           {{"field", "distance"}, {"field_distance", "box"}},
+           {{"field", "class"}, {"field_classes", "5"}},
+           {{"field", "uncertainty"}},
+           {{"field", "uncertainty"}, {"field_threshold", "0.01"}},
+           {{"field", "uncertainty"}, {"field_threshold", "0.05"}},
+           {{"field", "height"}}}) {
+    parameters_ = {{"field", "height"}};
+    for (const auto& [name, value] : parameters) parameters_[name] = value;
+    std::string what;
+    for (const auto& [name, value] : parameters) what += name + " " + value + " ";
+    const RenderOutput whole = at_once(cloud), parts = by_shares(cloud, members);
+    EXPECT_LT(differing(parts, whole, 1), 1e-3) << what;
+    EXPECT_LT(differing(parts, whole, 12), 2e-4) << what;
+    EXPECT_EQ(parts.notes, whole.notes) << what;
+    std::size_t shown = 0;
+    for (const Rgba8& color : parts.rgba8) shown += color.a > 50;
+    EXPECT_GT(shown, parts.rgba8.size() / 4) << what;
+  }
+}
+
+TEST_F(PartsTest, SoftPointsAreDrawnInOneOrder) {
+  name_ = "soft";
+  // Two layers of points at the same depths, of two colours and all in one place each: blended in the order
+  // of their numbers, whichever part has them.
+  PointCloud cloud;
+  for (const Rgba8& color : {Rgba8{255, 0, 0, 255}, {0, 0, 255, 255}, {0, 255, 0, 255}})
+    for (int i = 0; i < 60; ++i)
+      for (int k = 0; k < 60; ++k) {
+        cloud.positions.push_back({float(i - 30) / 30, 0, float(k - 30) / 30});
+        cloud.colors.push_back(color);
+      }
+  cloud.origin = {5e5, 4e6, 100};
+  parameters_ = {{"field", "distance"}, {"field_threshold", "-1"}, {"opacity", "0.6"}};
+  const RenderOutput whole = at_once(cloud);
+  const auto expect_whole = [&](std::size_t parts, const auto& of) {
+    const RenderOutput merged = by_shares(cloud, split(cloud, parts, of));
+    EXPECT_TRUE(std::ranges::equal(merged.rgba8, whole.rgba8)) << parts;
+  };
+  expect_whole(2, [](std::uint32_t i) { return i % 2; });
+  expect_whole(3, [](std::uint32_t i) { return 2 - i / 3600; });
+}
+
+TEST_F(PartsTest, ThresholdsOfManySoftPointsAreThoseOfASample) {
+  name_ = "soft", parameters_ = {{"field", "height"}};
+  PointCloud cloud;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(0, 1);
+  ScalarField height{"height", 0, {}};
+  for (int i = 0; i < 150'000; ++i) {
+    cloud.positions.push_back({2 * any(random), 0, any(random)});
+    height.values.push_back(cloud.positions.back().x * 0.5f);
+  }
+  cloud.colors.assign(cloud.size(), {200, 100, 50, 255}), cloud.scalars = {height};
+  std::optional<VisiblePoints> first;
+  for (const std::size_t count : {2, 3}) {
+    const Members members = split(cloud, count, [&](std::uint32_t i) { return i % count; });
+    VisiblePoints all;
+    for (const PreparedCloud& share : shares_of(cloud, members)) {
+      show(share);
+      VisiblePoints own = renderer_.visible(*technique(), camera_of_scene(), settings_);
+      if (all.values.empty())
+        all = std::move(own);
+      else
+        merge(all, own);
+    }
+    ASSERT_EQ(all.values.size(), 1u);
+    EXPECT_EQ(all.values[0].count, cloud.size());
+    EXPECT_NEAR(double(all.values[0].sample.size()), 65'536, 800);  // four standard errors
+    EXPECT_NEAR(analysis::quantile(all.values[0].sample, 0.85), 0.85, 0.006);
+    if (!first) first = all;
+    EXPECT_EQ(all.values[0].sample, first->values[0].sample);
+  }
+}
+
+/// The picture where in one round each part goes on from what it said itself, and not from what all did.
+RenderOutput PartsTest::drawn_alone(const std::vector<PreparedCloud>& parts, int in_round) {
+  VisiblePoints of_all;
+  std::vector<VisiblePoints> known(parts.size());
+  for (int round = 0; round < technique()->rounds(); ++round) {
+    std::vector<VisiblePoints> visible;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      show(parts[k]);
+      visible.push_back(
+          renderer_.visible(*technique(k), camera_of_scene(), settings_, round > 0 ? &known[k] : nullptr));
+    }
+    VisiblePoints merged = visible.front();
+    for (std::size_t k = 1; k < parts.size(); ++k) merge(merged, visible[k]);
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      known[k].add_round(round == in_round ? visible[k] : merged);
+    of_all.add_round(std::move(merged));
+  }
+  return renderer_.render_merged(of_all, *technique(), camera_of_scene(), settings_, all_outputs());
+}
+
+TEST_F(PartsTest, NoPartOfSoftDecidesAloneWhichPointsAreSoft) {
+  name_ = "soft";
+  const PointCloud cloud = with_leaves();
+  for (const char* field : {"uncertainty", "height"}) {
+    parameters_ = {{"field", field}};
+    // In the left one of two shares are no leaves, and it is lower.
+    const std::vector<PreparedCloud> shares =
+        shares_of(cloud, split(cloud, 2, [](std::uint32_t i) { return i % 2; }));
+    EXPECT_GT(differing(drawn(shares), drawn_alone(shares, 0), 12), 0.02) << field;
+  }
+}
+
+TEST_F(PartsTest, NoPartOfSoftDecidesAloneHowLargeItsSolidPointsAre) {
+  name_ = "soft";
+  const PointCloud cloud = dense_sheets_before_a_sparse_one();
+  // What is far above or below is soft.
+  parameters_ = {{"field", "distance"},
+                 {"field_distance", "plane"},
+                 {"field_origin", "500000,4000000,100"},
+                 {"field_direction", "0,0,1"},
+                 {"field_threshold", "0.5"}};
+  const Members members = split(cloud, 8, [](std::uint32_t i) { return i % 8; });
+  const RenderOutput whole = at_once(cloud);
+  const std::vector<PreparedCloud> shares = shares_of(cloud, members);
+  const double alone = differing(drawn_alone(shares, 1), whole, 12),
+               together = differing(drawn(shares), whole, 12);
+  EXPECT_GT(alone, 0.002);
+  EXPECT_LT(together, 5e-4);
 }
 
 /// One process measures spacings at other places: the median of a hundred differs by 4 % from that of another
@@ -686,20 +898,7 @@ TEST(PlacedSpacing, IsLikeThatOfBatches) {
 
 TEST_F(PartsTest, NoShareOfSplatsDecidesAlone) {
   name_ = "splats";
-  // A red sheet close before a blue one, both dense, in some of eight shares, before a sparse one: for the
-  // whole they are one surface, and for themselves two.
-  PointCloud cloud;
-  const auto add_sheet = [&](float left, float step, int count, float depth, const Rgba8& color) {
-    for (int i = 0; i < count; ++i)
-      for (int k = 0; k < count; ++k) {
-        cloud.positions.push_back({left + step * float(i), depth, 0.2f + step * float(k - count / 2)});
-        cloud.colors.push_back(color);
-      }
-  };
-  add_sheet(-4, 0.04f, 200, 1, {120, 120, 120, 255});
-  add_sheet(0.2f, 0.005f, 80, 0, {255, 0, 0, 255});
-  add_sheet(0.2f, 0.005f, 80, 0.06f, {0, 0, 255, 255});
-  cloud.origin = {5e5, 4e6, 100};
+  const PointCloud cloud = dense_sheets_before_a_sparse_one();
   const Members members = split(cloud, 8, [](std::uint32_t i) { return i % 8; });
   const RenderOutput whole = at_once(cloud);
   EXPECT_GT(differing(by_shares(cloud, members, false), whole, 12), 0.005);
@@ -772,13 +971,23 @@ TEST(Regions, HaveEveryPointOnceAndAboutAsMany) {
 
 TEST_F(PartsTest, WhatCannotBeMergedIsRefused) {
   show_part(scene(false), nullptr);
-  name_ = "soft";
+  name_ = "strokes";
   EXPECT_THROW(renderer_.visible(*technique(), camera_of_scene(), settings_), Error);
   name_ = "points";
   // Of what is around nothing is known.
   show_part(scene(false), nullptr);
   name_ = "splats";
   EXPECT_THROW(renderer_.visible(*technique(), camera_of_scene(), settings_), Error);
+  // Nor who is soft there, though attributes of its own are all there.
+  name_ = "soft";
+  const Members members = split(scene(false), 1, [](std::uint32_t) { return 0; });
+  show_part(scene(false), cut(scene(false), members).whole);
+  EXPECT_TRUE(renderer_.merges(*technique(), camera_of_scene(), settings_));
+  EXPECT_THROW(renderer_.visible(*technique(), camera_of_scene(), settings_), Error);
+  for (const auto& [parameter, value] : {std::pair("model", "one_layer"), {"field", "sensor"}}) {
+    parameters_ = {{parameter, value}};
+    EXPECT_FALSE(renderer_.merges(*technique(), camera_of_scene(), settings_)) << value;
+  }
   // Which opacity a point has, no pixel says.
   name_ = "layers", parameters_ = {{"opacity", "0.3,0.6"}};
   EXPECT_FALSE(renderer_.merges(*technique(), camera_of_scene(), settings_));
@@ -825,6 +1034,17 @@ TEST(VisiblePoints, MergeInAnyOrderAndGrouping) {
     VisiblePoints of{Image<std::uint32_t>(40, 30), Image<std::uint32_t>(40, 30), Image<vec4>(40, 30), {}};
     of.nearest = Image<float>(40, 30), of.vouching = Image<std::uint32_t>(50, 40);
     of.color_sum = of.normal_sum = of.places = Image<vec4>(40, 30);
+    of.values.resize(2);
+    for (VisiblePoints::Values& kind : of.values) {
+      kind.count = random() % 9;
+      for (std::uint64_t i = 0; i < kind.count; ++i) kind.sample.push_back(float(random() % 5));
+      std::sort(kind.sample.begin(), kind.sample.end());
+      if (kind.count > 0) kind.least = kind.sample.front(), kind.most = kind.sample.back() + 1;
+    }
+    // Of few numbers, so that some have several points.
+    for (int i = 0; i < 20; ++i)
+      of.seen_through.push_back({std::uint32_t(random() % 30), vec3(float(random() % 2)), {}, 1, 0, {}});
+    std::sort(of.seen_through.begin(), of.seen_through.end());
     for (float& distance : of.nearest) distance = random() % 3 ? float(random() % 99) : INFINITY;
     for (std::uint32_t& point : of.vouching) point = random() % 2 ? VisiblePoints::nothing : 0;
     // Whole numbers, whose sums are exact.
@@ -859,6 +1079,14 @@ TEST(VisiblePoints, MergeInAnyOrderAndGrouping) {
       EXPECT_TRUE(std::ranges::equal(left.vouching, other->vouching));
       EXPECT_TRUE(std::ranges::equal(left.color_sum, other->color_sum));
       EXPECT_TRUE(std::ranges::equal(left.normal_sum, other->normal_sum));
+      for (std::size_t kind = 0; kind < 2; ++kind) {
+        const VisiblePoints::Values &own = left.values[kind], &its = other->values[kind];
+        EXPECT_EQ(own.sample, its.sample);
+        EXPECT_EQ(std::tie(own.count, own.least, own.most), std::tie(its.count, its.least, its.most));
+      }
+      EXPECT_TRUE(std::ranges::equal(
+          left.seen_through, other->seen_through,
+          [](const auto& p, const auto& q) { return p.number == q.number && p.place == q.place; }));
     }
   }
 }

@@ -48,8 +48,9 @@ double distance(const FieldSettings& s, const dvec3& from_origin, const dvec3& d
   return glm::length(from_origin - glm::dot(from_origin, direction) * direction);
 }
 
-std::vector<float> distances(const PointCloud& cloud, FieldSettings& s) {
-  const Bounds box = robust_bounds(cloud);
+std::vector<float> distances(const PreparedCloud& prepared, FieldSettings& s) {
+  const PointCloud& cloud = prepared.cloud;
+  const Bounds box = prepared.whole ? prepared.whole->usual_box : robust_bounds(cloud);
   const dvec3 origin = s.origin == "auto" ? box.center() : parse_vector("field_origin", s.origin);
   const dvec3 half_size = 0.5 * (s.size == "auto" ? 0.5 * box.size() : parse_vector("field_size", s.size));
   dvec3 direction =
@@ -57,10 +58,15 @@ std::vector<float> distances(const PointCloud& cloud, FieldSettings& s) {
   if (!(glm::length(direction) > 0))
     throw Error(ErrorCode::usage, "field_direction is 0,0,0, which is no direction; give X,Y,Z or auto");
   direction = glm::normalize(direction);
-  std::vector<float> values(cloud.size());
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = float(distance(s, cloud.world(i) - origin, direction, half_size));
-  const float range = s.range.resolve(analysis::quantile(values, 0.98));
+  const auto distances_in = [&](const PointCloud& of) {
+    std::vector<float> out(of.size());
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = float(distance(s, of.world(i) - origin, direction, half_size));
+    return out;
+  };
+  std::vector<float> values = distances_in(cloud);
+  const float range = s.range.resolve(
+      analysis::quantile(prepared.whole ? distances_in(prepared.whole->sample) : values, 0.98));
   for (float& value : values) value = range > 0 ? std::min(value / range, 1.0f) : 0;
   return values;
 }
@@ -76,17 +82,21 @@ std::vector<float> classes(const PointCloud& cloud, const std::vector<float>& so
 std::vector<float> scalar_values(const PreparedCloud& prepared, const std::string& name,
                                  std::vector<std::string>& notes) {
   const ScalarField& scalar = scalar_of(prepared.cloud, name);
+  const ScalarField& of_all = prepared.whole ? scalar_of(prepared.whole->sample, name) : scalar;
   std::vector<float> values = scalar.values;
   // A length has no natural scale in [0,1], so uncertainty is always measured against its own spread.
-  const bool is_unit = name != "uncertainty" && std::all_of(values.begin(), values.end(), [&](float v) {
-                         return !std::isfinite(v) || (scalar.offset + v >= 0 && scalar.offset + v <= 1);
-                       });
+  const bool is_unit =
+      name != "uncertainty" && std::all_of(of_all.values.begin(), of_all.values.end(), [&](float v) {
+        return !std::isfinite(v) || (of_all.offset + v >= 0 && of_all.offset + v <= 1);
+      });
   if (is_unit) {
     for (float& value : values)
       value = std::isnan(value) ? 0 : std::clamp(float(scalar.offset + value), 0.0f, 1.0f);
     return values;
   }
-  const Quantiles range = name == "uncertainty" ? prepared.uncertainty_range : analysis::quantiles(values);
+  Quantiles range = name == "uncertainty" && !prepared.whole ? prepared.uncertainty_range
+                                                             : analysis::quantiles(of_all.values);
+  range.q02 += float(of_all.offset - scalar.offset), range.q98 += float(of_all.offset - scalar.offset);
   for (float& value : values) value = analysis::normalized(value, range);
   if (analysis::normalized(range.q98, range) == 0 && !values.empty())
     notes.push_back("the field " + name + " hardly varies: every point is solid");
@@ -121,16 +131,18 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis:
                Progress& progress) {
   Field field;
   const PointCloud& cloud = prepared.cloud;
-  if (cloud.empty()) return field;
   // A file may bring an uncertainty of its own, whose scale is its own, too.
   const bool is_own = prepared.computed.has(Attribute::uncertainty),
              is_asked = settings.field == "uncertainty";
   const ScalarField* stored = is_asked && !is_own ? analysis::whole_stored_uncertainty(cloud) : nullptr;
   const bool measured = is_asked && (is_own || stored);
+  // A part without points knows as well whether those of others have one.
+  field.is_measured = prepared.whole ? is_asked && !prepared.whole->sample.scalar("uncertainty") : measured;
+  if (cloud.empty()) return field;
   if (settings.field == "class")
     field.values = classes(cloud, settings.classes);
   else if (settings.field == "distance")
-    field.values = distances(cloud, settings);
+    field.values = distances(prepared, settings);
   else if (settings.field == "sensor")
     field.values = sensor_uncertainty(prepared, field.notes);
   else if (stored)
@@ -144,29 +156,34 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis:
   if (settings.invert)
     for (float& value : field.values) value = 1 - value;
 
-  field.threshold = analysis::quantile(field.values, 0.85);
-  field.modulation_threshold = analysis::quantile(field.values, 0.95);
+  const auto [least, most] = std::minmax_element(field.values.begin(), field.values.end());
+  field.set_thresholds(settings, {field.values, *least, *most});
+  return field;
+}
+
+void Field::set_thresholds(const FieldSettings& settings, const FieldSample& of_all) {
+  threshold = analysis::quantile(of_all.values, 0.85);
+  modulation_threshold = analysis::quantile(of_all.values, 0.95);
+  nothing_is_uncertain = false;
   // Half of the way out is what a user means by far; and a field of few values, like classes, may have no
   // point above its quantile.
-  const auto [least, most] = std::minmax_element(field.values.begin(), field.values.end());
   if (settings.field == "class") {
-    field.threshold = field.modulation_threshold = 0.5f;
+    threshold = modulation_threshold = 0.5f;
   } else if (settings.field == "distance") {
-    field.threshold = 0.5f;
-    field.modulation_threshold = 0.75f;
+    threshold = 0.5f;
+    modulation_threshold = 0.75f;
   } else if (settings.field == "sensor" && !settings.invert) {
     // Twice the standard deviation of an ordinary point, and four times.
-    field.threshold = std::max(field.threshold, 0.5f);
-    field.modulation_threshold = std::max(field.modulation_threshold, 0.75f);
-    if (*most <= field.threshold) field.notes.push_back("nothing is uncertain: every point is solid");
-  } else if (measured && !settings.invert) {
-    field.threshold = std::max(field.threshold, analysis::uncertain_from);
-    field.modulation_threshold = std::max(field.modulation_threshold, analysis::fully_uncertain);
-    if (*most <= field.threshold) field.notes.push_back("nothing is uncertain: every point is solid");
-  } else if (field.threshold >= *most && *most > *least) {
-    field.threshold = 0.5f * (*least + *most);
+    threshold = std::max(threshold, 0.5f);
+    modulation_threshold = std::max(modulation_threshold, 0.75f);
+    nothing_is_uncertain = of_all.most <= threshold;
+  } else if (is_measured && !settings.invert) {
+    threshold = std::max(threshold, analysis::uncertain_from);
+    modulation_threshold = std::max(modulation_threshold, analysis::fully_uncertain);
+    nothing_is_uncertain = of_all.most <= threshold;
+  } else if (threshold >= of_all.most && of_all.most > of_all.least) {
+    threshold = 0.5f * (of_all.least + of_all.most);
   }
-  return field;
 }
 
 }  // namespace sfumato::soft

@@ -26,6 +26,7 @@
 #include "techniques/soft/haze_depth.h"
 #include "techniques/soft/interior.h"
 #include "techniques/soft/one_layer.h"
+#include "techniques/soft/parts.h"
 #include "techniques/soft/solid_part.h"
 #include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
@@ -158,9 +159,17 @@ class Soft final : public Technique {
   }
 
   Attributes needs() const override {
-    const Attributes drawing = Attribute::normal | Attribute::radius;
+    // Who is solid among the points around a part decides about its solid points.
+    const Attributes drawing = Attribute::normal | Attribute::radius | Attribute::surroundings;
     return parameters_.field.field == "uncertainty" ? drawing | Attribute::uncertainty : drawing;
   }
+
+  /// The layer behind the first one would need further rounds.
+  bool merges() const override {
+    return parameters_.model != Model::one_layer && parameters_.field.is_of_parts();
+  }
+  /// The field, sizes, the nearest hits of solid points, and sums behind those with the soft points.
+  int rounds() const override { return 4; }
 
   Transparency transparency() const override { return Transparency::haze; }
 
@@ -170,8 +179,9 @@ class Soft final : public Technique {
     // That of no view: shadows do not follow the camera.
     const float soft = parameters_.plain_opacity();
     return casters_.at({field_buffers_, threshold, soft}, [&] {
-      std::vector<float> opacity(field_.values.size());
-      for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field_.values[i] > threshold ? soft : 1;
+      const std::span<const float> field = own_field();
+      std::vector<float> opacity(field.size());
+      for (std::size_t i = 0; i < opacity.size(); ++i) opacity[i] = field[i] > threshold ? soft : 1;
       return make_casters(cloud, opacity);
     });
   }
@@ -181,7 +191,13 @@ class Soft final : public Technique {
   bool render(Frame& frame) override {
     update_field(frame.cloud);
     frame.cloud.set_field(field_buffers_);
-    const View view(frame.camera, frame.cloud.prepared().cloud.origin);
+    if (frame.visible && !frame.merged) {
+      frame.visible->values.push_back(sample_of_field_.at(
+          field_buffers_, [&] { return sample_of_field(frame.cloud.prepared(), field_.values); }));
+      return true;
+    }
+    if (frame.merged) take_up_field(*frame.merged);
+    const View view(frame.camera, origin_of(frame.cloud));
     Parameters& p = parameters_;
     SplatShape shape;
     shape.radius_scale = p.radius_scale;
@@ -189,9 +205,17 @@ class Soft final : public Technique {
     if (p.antialias) shape.prefilter_px = 1;
     shape.field_threshold = p.field_threshold.resolve(field_.threshold);
     p.modulation_threshold.resolve(field_.modulation_threshold);
-    points_.choose(frame.cloud, field_.values, shape.field_threshold);
-    const float opacity =
-        p.resolve_opacity(p.opacity.user || points_.count() == 0 ? 0 : depth_of_haze(frame));
+    if (frame.visible) {
+      show_part(frame, view, shape);
+      return true;
+    }
+    if (frame.merged) {
+      draw_merged(frame, view, shape);
+      return true;
+    }
+    points_.choose(frame.cloud, own_field(), shape.field_threshold);
+    point_count_ = frame.cloud.size(), soft_count_ = points_.count();
+    const float opacity = resolve_opacity(frame, own_field());
     SplatBlend blend;
     if (p.model == Model::one_layer) {
       shape.part = SplatPart::above;
@@ -199,10 +223,7 @@ class Soft final : public Technique {
       blend.epsilon = p.epsilon.resolve(2 * frame.cloud.median_spacing());
       one_layer_.draw(frame, view, shape, blend, opacity);
     } else {
-      solid_.update(frame.cloud, field_.values, shape.field_threshold, !p.field.is_uncertainty(),
-                    p.clamp_radius, nearby_.size() == field_.values.size() ? &nearby_ : nullptr,
-                    frame.progress);
-      blend.epsilon = p.epsilon.resolve(2 * solid_.spacing());
+      blend = measure_solid(frame, shape.field_threshold, nullptr);
       draw_opaque(frame, view, shape, blend);  // Sec. 4, step 2
       if (points_.count() > 0 && opacity > 0) draw_soft(frame, view, shape);
     }
@@ -211,15 +232,15 @@ class Soft final : public Technique {
 
   std::vector<std::string> notes() const override {
     std::vector<std::string> lines = field_.notes;
-    const std::size_t points = field_.values.size();
+    if (field_.nothing_is_uncertain) lines.push_back("nothing is uncertain: every point is solid");
     // Who asked for a threshold below all of them knows that all are soft.
-    const bool is_asked = points_.count() == points && !parameters_.field_threshold.is_auto();
-    if (points > 0 && !is_asked) {
+    const bool is_asked = soft_count_ == point_count_ && !parameters_.field_threshold.is_auto();
+    if (point_count_ > 0 && !is_asked) {
       char text[120];
       std::snprintf(text, sizeof text, "%.1f %% of the points are soft",
-                    100.0 * points_.count() / double(points));
+                    100.0 * double(soft_count_) / double(point_count_));
       std::string line = text;
-      if (points_.count() > 0) {
+      if (soft_count_ > 0) {
         std::snprintf(text, sizeof text, "%.3g", double(parameters_.field_threshold.value()));
         line += " (" + parameters_.field.field + " above " + text + "); --field-threshold moves that";
       } else if (parameters_.field.field == "class") {
@@ -238,15 +259,96 @@ class Soft final : public Technique {
   }
 
  private:
+  /// Of the points that are drawn, without what surrounds a part.
+  std::span<const float> own_field() const { return own_field_.empty() ? field_.values : own_field_; }
+
   /// Evaluates the field when the cloud or its settings changed.
   void update_field(const GpuCloud& cloud) {
     const FieldKey key{cloud.serial(), parameters_.field};
     if (field_key_ == key) return;
     if (!field_key_ || field_key_->serial != key.serial) nearby_ = {};
     field_key_.reset();
-    field_ = evaluate(cloud.prepared(), parameters_.field, nearby_);
-    field_buffers_ = cloud.make_values("field", field_.values);
+    const PreparedCloud& prepared = cloud.prepared();
+    field_ = evaluate(prepared.with_surroundings(), parameters_.field, nearby_);
+    own_field_ = prepared.surroundings ? prepared.own_of(field_.values) : std::vector<float>();
+    field_buffers_ = cloud.make_values("field", own_field());
     field_key_ = key;
+  }
+
+  /// That of all parts, of which one without points may have another.
+  static const dvec3& origin_of(const GpuCloud& cloud) {
+    const PreparedCloud& prepared = cloud.prepared();
+    return prepared.whole ? prepared.whole->origin : prepared.cloud.origin;
+  }
+
+  /// Thresholds are those of the whole, and no part has its own.
+  void take_up_field(const VisiblePoints& merged) {
+    const VisiblePoints::Values& of_all = merged.values.at(0);
+    field_.set_thresholds(parameters_.field, {of_all.sample, of_all.least, of_all.most});
+  }
+
+  /// `of_whole`: null where the cloud is no part.
+  SplatBlend measure_solid(Frame& frame, float threshold, const SolidPart::OfWhole* of_whole) {
+    const bool has_nearby = nearby_.size() == field_.values.size();
+    solid_.update(frame.cloud, field_.values, threshold, !parameters_.field.is_uncertainty(),
+                  parameters_.clamp_radius, has_nearby ? &nearby_ : nullptr, of_whole, frame.progress);
+    SplatBlend blend;
+    blend.epsilon = parameters_.epsilon.resolve(2 * solid_.spacing());
+    return blend;
+  }
+
+  /// What parts say once they know the thresholds of the whole: sizes, then the nearest hits of their solid
+  /// points, then what lies behind those of all parts, and their soft points.
+  void show_part(Frame& frame, const View& view, SplatShape shape) {
+    VisiblePoints& visible = *frame.visible;
+    const VisiblePoints& merged = *frame.merged;
+    if (merged.values.size() == 1) {
+      visible.values = sizes_.at({field_buffers_, shape.field_threshold}, [&] {
+        return sizes_of(frame.cloud.prepared(), field_.values, shape.field_threshold,
+                        !parameters_.field.is_uncertainty());
+      });
+      return;
+    }
+    const SolidPart::OfWhole of_whole = solid_of(merged.values);
+    const SplatBlend blend = measure_solid(frame, shape.field_threshold, &of_whole);
+    shape.part = SplatPart::not_above;
+    const GpuCloud::WithShapes with_shapes(frame.cloud, solid_.shapes());
+    if (merged.nearest.empty()) {
+      surface_.find_nearest(frame.cloud, view, shape, blend, frame.timers);
+      visible.nearest = surface_.nearest_t().download<float>();
+      if (parameters_.clamp_radius)
+        visible.vouching = evidence_.points(frame, frame.camera, spacings_, shape.radius_scale);
+      return;
+    }
+    surface_.accumulate(frame.cloud, view, shape, blend, merged.nearest, frame.timers);
+    visible.color_sum = surface_.color_sum().download<vec4>();
+    visible.normal_sum = surface_.normal_sum().download<vec4>();
+    visible.seen_through = soft_in_view(frame.cloud, field_.values, view, shape);
+  }
+
+  void draw_merged(Frame& frame, const View& view, const SplatShape& shape) {
+    const VisiblePoints& merged = *frame.merged;
+    point_count_ = merged.values.at(0).count, soft_count_ = merged.values.at(1).count;
+    haze_.take_up(merged.seen_through, frame.cloud, origin_of(frame.cloud));
+    points_.choose(*haze_.gpu, haze_.field, shape.field_threshold, &merged.values.at(1).sample);
+    Frame of_haze{*haze_.gpu,   frame.camera,       frame.settings, frame.light,
+                  frame.target, frame.wants_normal, frame.timers,   frame.progress};
+    of_haze.views = frame.views;
+    const float opacity = resolve_opacity(of_haze, haze_.field);
+    surface_.set_nearest(merged.nearest);
+    if (soft_count_ == point_count_) {
+      draw_nothing_solid(frame);
+    } else {
+      surface_.normalize(view, merged.color_sum, merged.normal_sum,
+                         {albedo_, frame.target.depth, frame.target.normal}, frame.timers);
+      shade_solid(frame, view, shape);
+    }
+    if (points_.count() > 0 && opacity > 0) draw_soft(of_haze, view, shape);
+  }
+
+  float resolve_opacity(const Frame& frame, std::span<const float> field) {
+    const bool is_given = parameters_.opacity.user || points_.count() == 0;
+    return parameters_.resolve_opacity(is_given ? 0 : depth_of_haze(frame, field));
   }
 
   /// The solid points, and what else is opaque in the scene: what soft points are seen before.
@@ -259,25 +361,32 @@ class Soft final : public Technique {
   }
 
   void draw_solid(Frame& frame, const View& view, SplatShape shape, const SplatBlend& blend) {
-    if (points_.count() == field_.values.size()) {  // nothing is solid
+    if (points_.count() == frame.cloud.size()) {  // nothing is solid
       surface_.draw_nearest(frame.cloud, view, shape, {});
-      frame.target.color.clear(vec4(0));
-      frame.target.depth.clear(vec4(std::numeric_limits<float>::infinity()));
-      frame.target.normal.clear(vec4(0, 0, 0, 1));
-      return;
+      return draw_nothing_solid(frame);
     }
     shape.part = SplatPart::not_above;
     const GpuCloud::WithShapes with_shapes(frame.cloud, solid_.shapes());
     surface_.draw(frame.cloud, view, shape, blend, {albedo_, frame.target.depth, frame.target.normal},
                   frame.timers);
+    shade_solid(frame, view, shape);
+  }
+
+  static void draw_nothing_solid(Frame& frame) {
+    frame.target.color.clear(vec4(0));
+    frame.target.depth.clear(vec4(std::numeric_limits<float>::infinity()));
+    frame.target.normal.clear(vec4(0, 0, 0, 1));
+  }
+
+  void shade_solid(Frame& frame, const View& view, const SplatShape& shape) {
     if (parameters_.clamp_radius) evidence_.apply(frame, spacings_, shape.radius_scale, albedo_);
     auto timing = frame.timers.scope("shade");
-    shade_.run(view, frame.settings, frame.light, frame.cloud.prepared().cloud.origin,
+    shade_.run(view, frame.settings, frame.light, origin_of(frame.cloud),
                {albedo_, frame.target.depth, frame.target.normal}, frame.target.color);
   }
 
   /// How deep the haze of this view is, in soft points one behind the other.
-  double depth_of_haze(const Frame& frame) const {
+  double depth_of_haze(const Frame& frame, std::span<const float> field) const {
     HazeSettings settings;
     settings.radius_scale = parameters_.radius_scale;
     if (parameters_.clamp_radius) settings.radius_limit = points_.radius_limit();
@@ -285,7 +394,7 @@ class Soft final : public Technique {
     settings.modulation_threshold = parameters_.modulation_threshold.value();
     if (!parameters_.modulation_opacity.user) settings.cone_factor = modulation_factor;
     const PointCloud& cloud = frame.cloud.prepared().cloud;
-    const HazeSpheres spheres{cloud.positions, points_.radii(), points_.places(), field_.values};
+    const HazeSpheres spheres{cloud.positions, points_.radii(), points_.places(), field};
     return haze_depth(spheres, frame.views, cloud.origin, settings);
   }
 
@@ -333,16 +442,27 @@ class Soft final : public Technique {
     float threshold, opacity;
     bool operator==(const CastersKey&) const = default;
   };
-  Field field_;
+  Field field_;                   ///< of PreparedCloud::with_surroundings
+  std::vector<float> own_field_;  ///< of a part that has surroundings
   std::optional<FieldKey> field_key_;
   std::shared_ptr<const GpuCloud::Values> field_buffers_;
   Derived<CastersKey, std::shared_ptr<const GpuCloud::Casters>> casters_;
+  struct SizesKey {
+    std::shared_ptr<const GpuCloud::Values> field;
+    float threshold;
+    bool operator==(const SizesKey&) const = default;
+  };
+  // What a part says in its first rounds.
+  Derived<std::shared_ptr<const GpuCloud::Values>, VisiblePoints::Values> sample_of_field_;
+  Derived<SizesKey, std::vector<VisiblePoints::Values>> sizes_;
   analysis::Nearby nearby_;
   SplatSurface surface_;
   ScreenSpacings spacings_;
   DiscEvidence evidence_;
   SolidPart solid_;
+  Haze haze_;
   SoftPoints points_;
+  std::uint64_t point_count_ = 0, soft_count_ = 0;  ///< of the last picture, be they in view or not
   Express express_;
   Interior interior_;
   OneLayer one_layer_;

@@ -22,7 +22,18 @@ std::uint32_t ascending(float value) {
 
 }  // namespace
 
-void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float threshold) {
+std::vector<float> haze_radii(const PreparedCloud& prepared) {
+  std::vector<float> radii = prepared.cloud.radii;
+  const std::vector<float>& shrunk = prepared.shrunk;
+  // No more than two medians: along a wire Eq. 20 has the size of the gaps, not of anything there.
+  const float most = 2 * prepared.median_radius;
+  for (std::size_t i = 0; i < shrunk.size(); ++i)
+    radii[i] = std::max(radii[i], std::min(radii[i] / shrunk[i], most));
+  return radii;
+}
+
+void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float threshold,
+                        const std::vector<float>* radii_of_all) {
   const PointCloud& points = cloud.prepared().cloud;
   const bool same_field = field_ && field_ == cloud.field();
   if (same_field && threshold == threshold_) return;
@@ -45,16 +56,14 @@ void SoftPoints::choose(GpuCloud& cloud, std::span<const float> field, float thr
   sorted_ = false;
   axis_orders_ = {};
   if (!same_field) {
-    radii_ = points.radii;
-    const std::vector<float>& shrunk = cloud.prepared().shrunk;
-    // No more than two medians: along a wire Eq. 20 has the size of the gaps, not of anything there.
-    const float most = 2 * cloud.prepared().median_radius;
-    for (std::size_t i = 0; i < shrunk.size(); ++i)
-      radii_[i] = std::max(radii_[i], std::min(radii_[i] / shrunk[i], most));
-    own_radii_ = shrunk.empty() ? nullptr : cloud.make_shapes({}, radii_);
+    radii_ = haze_radii(cloud.prepared());
+    own_radii_ = cloud.prepared().shrunk.empty() ? nullptr : cloud.make_shapes({}, radii_);
   }
   std::vector<float> radii;
-  for (std::uint32_t i : places_) radii.push_back(radii_[i]);
+  if (radii_of_all)
+    radii = *radii_of_all;
+  else
+    for (std::uint32_t i : places_) radii.push_back(radii_[i]);
   radius_limit_ = std::max(2 * analysis::quantile(radii, 0.5), analysis::quantile(radii, 0.9));
 
   gl::require(count() <= std::uint64_t(gl::limits().max_texture_buffer_size),

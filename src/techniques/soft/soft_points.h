@@ -30,16 +30,21 @@ struct Order {
   std::uint32_t count = 0;
 };
 
+/// Of every point: what stands for haze is no plate, so what shrank in clutter is as large as Eq. 20 has it
+/// again, up to two medians of the cloud.
+std::vector<float> haze_radii(const PreparedCloud& prepared);
+
 class SoftPoints {
  public:
-  /// Chooses the points with field > threshold; nothing to do while field and threshold stay.
-  void choose(GpuCloud& cloud, std::span<const float> field, float threshold);
+  /// Chooses the points with field > threshold; nothing to do while field and threshold stay. `radii_of_all`:
+  /// of the soft points of a whole, where these are some of them, with `haze_radii`.
+  void choose(GpuCloud& cloud, std::span<const float> field, float threshold,
+              const std::vector<float>* radii_of_all = nullptr);
   /// Number of soft points, each with a slot 0, 1 ... in the order of the prepared cloud.
   std::uint32_t count() const { return std::uint32_t(places_.size()); }
   /// Of every slot, its place in the prepared cloud.
   std::span<const std::uint32_t> places() const { return places_; }
-  /// Of every place of the prepared cloud: what stands for haze is no plate, so what shrank in clutter is as
-  /// large as Eq. 20 has it again, up to two medians of the cloud.
+  /// haze_radii of the prepared cloud.
   std::span<const float> radii() const { return radii_; }
   /// The same, uploaded; null where none differs from the cloud's.
   const std::shared_ptr<const GpuCloud::Shapes>& own_radii() const { return own_radii_; }

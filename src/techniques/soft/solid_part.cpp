@@ -31,22 +31,51 @@ PreparedCloud part_of(const PreparedCloud& prepared, const std::vector<std::uint
   return part;
 }
 
-}  // namespace
-
-void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float threshold, bool among_themselves,
-                       bool clamp, const analysis::Nearby* all, Progress& progress) {
-  const Key key{gpu.serial(), gpu.field(), threshold, among_themselves, clamp};
-  if (key_ == key) return;
-  key_.reset();  // nothing is kept when the user stops what follows
-  const PreparedCloud& prepared = gpu.prepared();
-  spacing_ = prepared.median_spacing;
-  shapes_.reset();
+std::vector<std::uint32_t> solid_places(std::span<const float> field, float threshold) {
   std::vector<std::uint32_t> places;
   for (std::uint32_t i = 0; i < field.size(); ++i)
     if (!(field[i] > threshold)) places.push_back(i);
+  return places;
+}
+
+}  // namespace
+
+analysis::Discs SolidPart::discs_of(const PreparedCloud& part, std::span<const float> field,
+                                    float threshold) {
+  const PreparedCloud& all = part.with_surroundings();
+  if (!all.computed.has(Attribute::normal) && !all.computed.has(Attribute::radius)) return {};
+  const std::vector<vec3> solid = part_of(all, solid_places(field, threshold)).cloud.positions;
+  std::vector<dvec3> places;
+  for (std::size_t i = 0; i < part.cloud.size(); ++i) {
+    const dvec3 place = part.cloud.world(i);
+    const bool is_solid = !(field[part.surroundings ? part.in_surroundings[i] : i] > threshold);
+    if (is_solid && (!part.whole || analysis::is_sampled(place, part.whole->points))) places.push_back(place);
+  }
+  const analysis::NeighborTree tree(solid);
+  return analysis::discs_at(
+      analysis::neighborhoods_of(tree, all.cloud.origin, std::move(places), std::size_t(all.neighbors) + 1));
+}
+
+void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float threshold, bool among_themselves,
+                       bool clamp, const analysis::Nearby* all, const OfWhole* of_whole, Progress& progress) {
+  const Key key{gpu.serial(),     gpu.field(), threshold,
+                among_themselves, clamp,       of_whole ? *of_whole : OfWhole()};
+  if (key_ == key) return;
+  key_.reset();  // nothing is kept when the user stops what follows
+  const PreparedCloud &own = gpu.prepared(), &prepared = own.with_surroundings();
+  spacing_ = prepared.median_spacing;
+  shapes_.reset();
+  const std::vector<std::uint32_t> places = solid_places(field, threshold);
   std::vector<float> radii = prepared.cloud.radii;
-  if (among_themselves && !places.empty() && places.size() < field.size()) {
+  const bool has_soft = of_whole ? of_whole->has_soft : places.size() < field.size();
+  if (among_themselves && !places.empty() && has_soft) {
     PreparedCloud part = part_of(prepared, places);
+    if (of_whole && prepared.whole) {
+      auto whole = std::make_shared<WholeCloud>(*prepared.whole);
+      whole->points = of_whole->points, whole->median_radius = of_whole->median_radius;
+      whole->is_rough = of_whole->is_rough;
+      part.whole = std::move(whole);
+    }
     analysis::PrepareOptions options;
     options.neighbors = prepared.neighbors;
     analysis::complete(part, Attribute::normal | Attribute::radius, options, progress);
@@ -63,11 +92,11 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
     // A square grid of that spacing has the radius of Eq. 20 for many neighbours.
     if (prepared.computed.has(Attribute::radius))
       spacing_ = part.median_radius / (2 * std::numbers::inv_sqrtpi_v<float>);
-    shapes_ = gpu.make_shapes(normals, radii, surface);
+    shapes_ = gpu.make_shapes(own.own_of(normals), own.own_of(radii), own.own_of(surface));
   } else if (clamp) {
     analysis::limit_isolated(prepared.cloud.positions,
                              all ? *all : analysis::Nearby(prepared.cloud.positions, progress), radii);
-    shapes_ = gpu.make_shapes({}, radii, prepared.on_surface);
+    shapes_ = gpu.make_shapes({}, own.own_of(radii), own.on_surface);
   }
   key_ = key;
 }

@@ -6,18 +6,30 @@
 #include <optional>
 
 #include "analysis/nearby.h"
+#include "analysis/whole.h"
 #include "passes/gpu_cloud.h"
 
 namespace sfumato::soft {
 
 class SolidPart {
  public:
-  /// Measures anew when the cloud, its field, the threshold or the settings changed. `among_themselves`:
-  /// apart from the soft points, where normals and radii were computed and not given. `clamp`: radii of
-  /// points that stand alone are cut to `isolated` times the expected; `all` has the surroundings of every
-  /// point of the cloud.
+  /// Of the solid points of a cloud of which a part is drawn.
+  struct OfWhole {
+    std::uint64_t points = 0;
+    bool has_soft = false;    ///< there are others beside them
+    float median_radius = 0;  ///< of Eq. 20 among themselves, scene units; 0: not measured
+    bool is_rough = false;    ///< WholeCloud::is_rough
+    bool operator==(const OfWhole&) const = default;
+  };
+  /// Measures anew when the cloud, its field, the threshold or the settings changed. `field`: of
+  /// PreparedCloud::with_surroundings. `among_themselves`: apart from the soft points, where normals and
+  /// radii were computed and not given. `clamp`: radii of points that stand alone are cut to `isolated` times
+  /// the expected; `all` has the surroundings of every point. `of_whole`: null where the cloud is no part.
   void update(GpuCloud& cloud, std::span<const float> field, float threshold, bool among_themselves,
-              bool clamp, const analysis::Nearby* all, Progress& progress);
+              bool clamp, const analysis::Nearby* all, const OfWhole* of_whole, Progress& progress);
+  /// Of a part what `OfWhole` is made of: discs among the solid points at those of its own that are in a
+  /// random sample of the whole. None where normals and radii were given.
+  static analysis::Discs discs_of(const PreparedCloud& part, std::span<const float> field, float threshold);
   /// Spacing of the solid points, scene units; the cloud's unless measured among themselves.
   float spacing() const { return spacing_; }
   /// Normals and radii of the solid part; null: those of the cloud.
@@ -29,6 +41,7 @@ class SolidPart {
     std::shared_ptr<const GpuCloud::Values> field;
     float threshold;
     bool among_themselves, clamp;
+    OfWhole of_whole;
     bool operator==(const Key&) const = default;
   };
   std::optional<Key> key_;  ///< what was measured
