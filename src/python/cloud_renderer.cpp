@@ -77,10 +77,8 @@ void CloudRenderer::open(gl::Context& context, scene::Scene scene, const Pose& p
   const Camera first = sfumato::first_view(pose, 1280, 720);
   for (const Note& note : notes_on(pose, {&first, 1})) add(worded(note, FrontEnd::python));
   session_ = std::make_unique<Session>(context);
-  session_->set_scene(std::move(scene), pose,
-                      {choice_.prepare, request.color, request.background, request.draw}, progress);
-  if (choice_.automatic()) choice_.resolve(session_->suggest());
-  session_->measure(choice_.techniques.front()->technique->needs(), progress);
+  session_->open(std::move(scene), pose, {choice_.prepare, request.color, request.background, request.draw},
+                 &choice_, progress);
   notes_.insert(notes_.end(), session_->notes().begin(), session_->notes().end());
   ChosenTechnique& chosen = *choice_.techniques.front();
   if (!chosen.reason.empty()) add(worded(note_on_technique(chosen.name, chosen.reason), FrontEnd::python));

@@ -79,6 +79,12 @@ void Choice::reopen() {
             [&](const auto& a, const auto& b) { return rank(*a) < rank(*b); });
 }
 
+Attributes Choice::needs() const {
+  Attributes needs;
+  for (const auto& chosen : techniques) needs = needs | chosen->technique->needs();
+  return needs;
+}
+
 std::vector<const Look*> Choice::looks() const {
   std::vector<const Look*> looks;
   for (const auto& chosen : techniques) looks.push_back(chosen.get());

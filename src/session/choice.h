@@ -41,6 +41,8 @@ struct Choice {
   void resolve(const TechniqueChoice& found);
   /// Takes that back, for another scan.
   void reopen();
+  /// What any of the techniques needs.
+  Attributes needs() const;
   /// The parameters of that name: of the techniques that have it, and of the analysis.
   std::vector<Param*> find(const std::string& name);
 };

@@ -44,8 +44,7 @@ void HeadlessRenderer::State::show(scene::Scene scene, Pose pose, Progress& prog
   drawing.forget_look();
   choice.reset();
   notes = notes_of_reading(scene);
-  session.set_scene(std::move(scene), std::move(pose), options, progress);
-  session.measure({}, progress);
+  session.open(std::move(scene), std::move(pose), options, nullptr, progress);
   notes.insert(notes.end(), session.notes().begin(), session.notes().end());
 }
 

@@ -210,6 +210,13 @@ std::uint64_t Session::source(std::size_t part, std::size_t i) const {
   return of_part ? (*of_part)[in_part] : in_part;
 }
 
+void Session::open(scene::Scene scene, Pose pose, const SessionOptions& options, Choice* choice,
+                   Progress& progress) {
+  set_scene(std::move(scene), std::move(pose), options, progress);
+  if (choice && choice->automatic()) choice->resolve(suggest());
+  measure(choice && options.measures ? choice->needs() : Attributes(), progress);
+}
+
 void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, Progress& progress) {
   progress.check();
   // What is refused is refused before anything of the last scene is gone.

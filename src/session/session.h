@@ -11,6 +11,7 @@
 #include "core/coloring.h"
 #include "core/derived.h"
 #include "scene/scene.h"
+#include "session/choice.h"
 #include "session/draw_rule.h"
 #include "session/look.h"
 #include "session/pose.h"
@@ -24,7 +25,8 @@ struct SessionOptions {
   ColorSettings color;
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
   std::vector<DrawRule> draw =
-      {};  ///< the first that selects a point draws it; the others are drawn as the caller says
+      {};                ///< the first that selects a point draws it; the others are drawn as the caller says
+  bool measures = true;  ///< what techniques need, with the scene; else their first pictures do
 };
 
 /// One scene on one context. Use it on the thread of its context.
@@ -32,6 +34,11 @@ class Session {
  public:
   explicit Session(gl::Context& context) : renderer_(context) {}
 
+  /// Makes a scene ready to be drawn by what was chosen, in the three steps below: `set_scene`, `suggest` for
+  /// an `auto` in the choice, which is resolved in place, and `measure` of what its techniques need. Null:
+  /// nothing is chosen yet, and what pictures need they measure. Throws as the steps and Choice::resolve do.
+  void open(scene::Scene scene, Pose pose, const SessionOptions& options, Choice* choice,
+            Progress& progress = no_progress());
   /// Sorts the points of a scene: `suggest` may then be asked, and until `measure` has been called there is
   /// nothing to draw (`empty`). Throws Error(usage) for rules that leave out every point, before anything of
   /// the last scene is gone, and Cancelled when `progress` asks for it.

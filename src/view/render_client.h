@@ -20,9 +20,6 @@
 
 namespace sfumato::view {
 
-/// Makes of a suggestion the technique that is drawn.
-using ResolveAuto = std::function<TechniqueChoice(const TechniqueChoice&)>;
-
 struct SceneJob {
   std::uint64_t id = 0;
   /// Render clients of one thread that show the same key have the same points, those of the first that came;
@@ -31,10 +28,7 @@ struct SceneJob {
   scene::Scene scene;
   Pose pose;
   SessionOptions options;
-  std::string technique;  ///< empty: `resolve` chooses it
-  std::function<NamesAndValues(const std::string&)> parameters_of;
-  bool measures = true;  ///< what the technique needs; else its first picture does
-  ResolveAuto resolve;   ///< may be empty: then nothing is chosen, and nothing analysed for it
+  std::unique_ptr<Choice> choice;  ///< null: nothing is chosen, and nothing analysed for it
 };
 
 struct PictureJob {

@@ -107,21 +107,14 @@ void RenderThread::do_scene(State& one, SceneJob job, Watch& watch) {
   SceneReady ready;
   ready.id = job.id;
   try {
-    first.session->set_scene(std::move(job.scene), std::move(job.pose), job.options, watch);
-    std::string technique = job.technique;
-    if (technique.empty() && job.resolve) {
-      ready.choice = job.resolve(first.session->suggest());
-      technique = ready.choice.technique;
-    }
-    Attributes needs;
-    if (!technique.empty() && job.measures)
-      needs = shared->look_of(technique, job.parameters_of(technique)).technique->needs();
-    first.session->measure(needs, watch);
+    first.session->open(std::move(job.scene), std::move(job.pose), job.options, job.choice.get(), watch);
   } catch (...) {
     // Refused before anything changed, it still draws the last scene; cut off half way, it has nothing.
     if (!first.session->empty()) one.shared = shared;
     throw;
   }
+  if (job.choice && job.choice->techniques.front()->of_auto)
+    ready.choice = {job.choice->techniques.front()->name, job.choice->techniques.front()->reason};
   ready.points = first.session->prepared_points();
   ready.notes = first.session->notes();
   ready.left_out = first.session->left_out();

@@ -27,9 +27,8 @@ namespace sfumato::view {
 
 struct Start {
   ViewRequest request;
-  ResolveAuto resolve;
-  /// The camera of the first picture, as the command finds it; nothing: Session's first view.
-  std::function<Camera(const Pose&, int width, int height)> first_camera;
+  NamesAndValues given;      ///< parameters that the technique must have, where none is chosen yet
+  CameraRequest first_view;  ///< of the first files, in the size of the window where it has no `start`
   std::uint64_t memory = scene::default_memory;
   bool watch = false;  ///< read files again when they change
   int depth_step = 0;  ///< pictures come with the depth of every so many pixels; 0: without

@@ -111,11 +111,9 @@ void ViewModel::send_scene(Loaded& loaded, bool is_another_view) {
     job.scene = std::move(part);
     job.pose = loaded.pose;
     job.options = wanted.session_options();
-    job.technique = wanted.technique;
     if (start_.shared && !loaded.is_sample && !loaded.follows_view) job.shared_key = scene.key_;
-    job.parameters_of = [request = wanted](const std::string& technique) {
-      return request.parameters_of(technique);
-    };
+    // A sample, or a coarse view, does not tell which technique suits the scan.
+    if (!wanted.technique.empty()) job.choice = wanted.make_choice({});
     return job;
   };
   scene.sample_ = scene.whole_ = {};
@@ -130,9 +128,9 @@ void ViewModel::send_scene(Loaded& loaded, bool is_another_view) {
   SceneJob whole = job_of(std::move(loaded.whole));
   scene.whole_.id = whole.id;
   if (scene.loading()) scene.load_state_ = LoadState::preparing;
-  if (!loaded.is_coarse) whole.resolve = start_.resolve;
+  if (!loaded.is_coarse) whole.choice = wanted.make_choice(start_.given);
   // The view is shown before the technique has measured its points.
-  whole.measures = !is_another_view;
+  whole.options.measures = !is_another_view;
   stand_in_is_due_ = is_another_view && request_.technique != stand_in_technique;
   whole_->show(std::move(whole));
 }
@@ -158,9 +156,10 @@ void ViewModel::take_loaded(Loaded loaded) {
   navigator_.set_scene(loaded.pose.upright.up, loaded.pose.subject, loaded.pose.vertical());
   if (request_.frame_on_load && width_ > 0 && loaded.is_first) {
     ViewCamera first;
+    CameraRequest view = start_.first_view;
+    if (!view.start) view.size = {width_, height_};
     try {
-      first = ViewCamera::from(start_.first_camera ? start_.first_camera(loaded.pose, width_, height_)
-                                                   : first_view(loaded.pose, width_, height_));
+      first = ViewCamera::from(sfumato::view_of(loaded.pose, view));
     } catch (const Error& error) {
       if (!loaded.is_sample) say(error.what(), true);
       first = ViewCamera::from(first_view(loaded.pose, width_, height_));
@@ -182,7 +181,7 @@ void ViewModel::take_loaded(Loaded loaded) {
     if (loaded.is_sample) scene.sample_camera_ = first;
     if (!scene.loaded_) history_ = History<ViewRequest>(request_);  // there is nothing to go back to
   }
-  if (!loaded.is_sample) start_.first_camera = nullptr;  // it is of the first files
+  if (!loaded.is_sample) start_.first_view = {};  // it is of the first files
   if (on_message)
     on_message({loaded.is_sample
                     ? "a sample of " + counted(loaded.points_shown, "point") + ", while the files are read"

@@ -175,6 +175,14 @@ std::unique_ptr<Look> ViewRequest::make_look() const {
   return look;
 }
 
+std::unique_ptr<Choice> ViewRequest::make_choice(const NamesAndValues& given) const {
+  auto choice = std::make_unique<Choice>(technique.empty() ? automatic_technique : technique);
+  for (const auto& chosen : choice->techniques)
+    for (const auto& [name, value] : parameters_of(chosen->name)) chosen->set(name, value);
+  choice->given = given;
+  return choice;
+}
+
 RenderSettings ViewRequest::settings() const {
   RenderSettings settings;
   ParamList parameters;

@@ -87,6 +87,8 @@ struct ViewRequest : Request {
 
   /// Of the technique, of `stand_in_technique` where none is chosen yet.
   std::unique_ptr<Look> make_look() const;
+  /// `auto` where no technique is chosen yet, which must have the parameters `given`.
+  std::unique_ptr<Choice> make_choice(const NamesAndValues& given) const;
   /// Parameters of the analysis.
   std::vector<Control> analysis_controls(const std::string& group) const;
   /// What a Look of that technique must be given.

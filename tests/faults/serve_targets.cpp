@@ -37,7 +37,6 @@ void read_messages(std::string_view bytes) {
     view::Start start;
     start.request.files = {"/absent.ply"};
     start.wake = [] {};
-    start.resolve = [](const TechniqueChoice& found) { return found; };
     return view::ViewModel(start);
   }();
   serve::Hand hand;

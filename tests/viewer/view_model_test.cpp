@@ -15,6 +15,7 @@ namespace sfumato::view {
 namespace {
 
 using ::testing::Contains;
+using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 class ViewModelTest : public ::testing::Test {
@@ -143,7 +144,7 @@ TEST_F(ViewModelTest, RedoFramesWhatWasNeverSeen) {
 TEST_F(ViewModelTest, UndoKeepsTheTechniqueThatWasChosen) {
   Start unsettled = start(write("here.las", 0));
   unsettled.request.technique.clear();
-  unsettled.resolve = [](const TechniqueChoice&) { return TechniqueChoice{"splats", "for a test"}; };
+  unsettled.given = {{"epsilon", "0.1"}};  // which the first technique has not
   ViewModel model(unsettled);
   model.set_size(320, 200);
   ASSERT_TRUE(wait(model, [&] { return model.scene.loaded() != nullptr; }));
@@ -153,7 +154,7 @@ TEST_F(ViewModelTest, UndoKeepsTheTechniqueThatWasChosen) {
   EXPECT_EQ(model.request().technique, "splats");
   model.undo();
   EXPECT_EQ(model.request().technique, "splats");
-  EXPECT_EQ(model.scene.reason(), "for a test");
+  EXPECT_THAT(model.scene.reason(), HasSubstr("has --epsilon"));
 }
 
 // A file that is open is read again where it stands, and arms nothing for later.

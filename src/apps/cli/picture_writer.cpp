@@ -63,12 +63,7 @@ std::string PictureWriter::set_scene(scene::Scene scene, Pose pose) {
   if (holds_still) still_.hold(scene.cloud, choice_.prepare.strokes.clusters.point_threshold, console_);
   SessionOptions wanted{choice_.prepare, options_.color, {}, options_.draw};
   wanted.background = options_.background;
-  session_.set_scene(std::move(scene), std::move(pose), wanted, console_);
-  const bool was_automatic = choice_.automatic();
-  if (was_automatic) choice_.resolve(session_.suggest());
-  Attributes needs;
-  for (const auto& chosen : choice_.techniques) needs = needs | chosen->technique->needs();
-  session_.measure(needs, console_);
+  session_.open(std::move(scene), std::move(pose), wanted, &choice_, console_);
   report_.draw.clear();
   for (const Session::Part& part : session_.parts())
     for (const std::string& rule : part.rules) report_.draw.push_back({rule, part.look->name, part.points});
@@ -80,7 +75,7 @@ std::string PictureWriter::set_scene(scene::Scene scene, Pose pose) {
   report_.exposure = coloring.exposure;
   for (const std::string& note : coloring.notes) console_.note(note);
   if (options_.furniture.legend) console_.note(note_on_legend(coloring, FrontEnd::command));
-  if (was_automatic && session_.parts().front().rules.empty())
+  if (session_.parts().front().rules.empty())
     for (const auto& chosen : choice_.techniques)
       if (!chosen->reason.empty())
         return worded(note_on_technique(chosen->name, chosen->reason), FrontEnd::command);

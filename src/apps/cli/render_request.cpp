@@ -85,7 +85,7 @@ void RenderRequest::check() {
   options.expand_files();
 }
 
-view::Start view_start(RenderOptions& options, Choice& choice) {
+view::Start view_start(const RenderOptions& options, const Choice& choice) {
   view::Start start;
   view::ViewRequest& request = start.request = view::ViewRequest(options, options.placed());
   if (options.sequence) {
@@ -99,18 +99,8 @@ view::Start view_start(RenderOptions& options, Choice& choice) {
   start.memory = options.memory;
   start.watch = options.watch;
   start.shader_folder = options.shader_folder;
-  // Called by one thread, which alone uses the choice from then on.
-  start.resolve = [&choice](const TechniqueChoice& found) {
-    choice.resolve(found);
-    TechniqueChoice resolved = found;
-    resolved.technique = choice.techniques.front()->name, resolved.reason = choice.techniques.front()->reason;
-    return resolved;
-  };
-  start.first_camera = [&options](const Pose& pose, int width, int height) {
-    CameraRequest view = options.view;
-    if (!view.start) view.size = {width, height};
-    return view_of(pose, view);
-  };
+  start.given = choice.given;
+  start.first_view = options.view;
   return start;
 }
 

@@ -40,7 +40,7 @@ struct RenderRequest {
 /// Returns the exit code.
 int draw_pictures(RenderRequest& request, const std::string& command);
 
-/// What a viewer begins with. `options` and `choice` are used as long as it runs.
-view::Start view_start(RenderOptions& options, Choice& choice);
+/// What a viewer begins with.
+view::Start view_start(const RenderOptions& options, const Choice& choice);
 
 }  // namespace sfumato::cli

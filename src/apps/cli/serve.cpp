@@ -38,35 +38,21 @@ Words words_of(const serve::Query& query) {
 }
 
 /// Parsed and checked, as of a command that begins with these files.
-std::shared_ptr<RenderRequest> request_of(Words words, const Words& files, const std::string& preset) {
+std::unique_ptr<RenderRequest> request_of(Words words, const Words& files, const std::string& preset) {
   words.insert(words.begin(), files.begin(), files.end());
   if (!preset.empty()) words.push_back("--preset=" + preset);
-  auto request = std::make_shared<RenderRequest>(words);
+  auto request = std::make_unique<RenderRequest>(words);
   request->parse(words);
   request->check();
   return request;
 }
 
-view::Start start_of(const std::shared_ptr<RenderRequest>& request) {
-  view::Start start = view_start(request->options, request->choice);
-  // What these use stays as long as they do.
-  start.resolve = [request, resolve = start.resolve](const TechniqueChoice& found) {
-    request->choice.reopen();
-    return resolve(found);
-  };
-  start.first_camera = [request, first = start.first_camera](const Pose& pose, int width, int height) {
-    return first(pose, width, height);
-  };
-  return start;
-}
-
 }  // namespace
 
 int serve_command(const Words& words) {
-  auto request = std::make_shared<RenderRequest>(words, "sfumato serve",
-                                                 "Shows point clouds in browsers, rendered on this machine.");
-  RenderOptions& options = request->options;
-  CommandLine& line = request->line;
+  RenderRequest request(words, "sfumato serve", "Shows point clouds in browsers, rendered on this machine.");
+  RenderOptions& options = request.options;
+  CommandLine& line = request.line;
   serve::Settings settings;
   std::string port = "8080", clients = "16", selections = "4";
   bool is_open = false;
@@ -86,12 +72,12 @@ int serve_command(const Words& words) {
       "It prints one address, with the token that gives access. Other machines reach it through\n"
       "  ssh -L 8080:127.0.0.1:8080 SERVER\n"
       "and the same address. docs/serve.md has more.");
-  request->exclude({"output",        "output-panels", "output-depth", "depth-unit", "output-index",
-                    "output-normal", "output-camera", "world-file",   "quality",    "path",
-                    "frames",        "degrees",       "sequence",     "each",       "watch",
-                    "panorama",      "save-preset",   "save-scene",   "json",       "timings"},
-                   "serve, which shows one scene in browsers, whose page saves pictures");
-  if (!request->parse(words)) return 0;
+  request.exclude({"output",        "output-panels", "output-depth", "depth-unit", "output-index",
+                   "output-normal", "output-camera", "world-file",   "quality",    "path",
+                   "frames",        "degrees",       "sequence",     "each",       "watch",
+                   "panorama",      "save-preset",   "save-scene",   "json",       "timings"},
+                  "serve, which shows one scene in browsers, whose page saves pictures");
+  if (!request.parse(words)) return 0;
   settings.port = int(parse_whole("--port", port, 0));
   if (settings.port > 65535) throw Error(ErrorCode::usage, "--port: " + port + " is more than 65535");
   settings.clients = std::size_t(std::min(1000L, parse_whole("--clients", clients, 1)));
@@ -104,17 +90,17 @@ int serve_command(const Words& words) {
     settings.hosts.push_back(name);
   if (options.files.empty() && options.scene.empty())
     throw Error(ErrorCode::usage, "serve what? name a file: sfumato serve FILE...");
-  request->check();
+  request.check();
   Console console(options.common);
   serve::Sources sources;
   sources.announce = [](const std::string& address) { print(address + "\n"), std::fflush(stdout); };
   sources.say = [&](const std::string& text) { console.say("sfumato: " + text); };
-  sources.start = [&] { return start_of(request); };
+  sources.start = view_start(options, request.choice);
   sources.picture = [&](const serve::Query& query) {
     const auto asked = request_of(words_of(query), options.files, options.preset);
     serve::PictureRequest wanted;
-    wanted.start = start_of(asked);
-    wanted.start.request.placed = start_of(request).request.placed;
+    wanted.start = view_start(asked->options, asked->choice);
+    wanted.start.request.placed = sources.start.request.placed;
     if (const auto& size = asked->options.view.size) std::tie(wanted.width, wanted.height) = *size;
     const int most = settings.limits.saved_side_px;
     if (wanted.width > most || wanted.height > most)

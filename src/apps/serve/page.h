@@ -170,7 +170,7 @@ class Page : public std::enable_shared_from_this<Page> {
           const auto self = weak.lock();
           return self && self->viewer_ ? self->viewer_->wait_ms(now_ms()) : std::nullopt;
         });
-    view::Start start = server_.sources.start();
+    view::Start start = server_.sources.start;
     start.wake = ticker_->waker();
     if (server_.look) start.request = *server_.look;
     known_ = start.request;

@@ -289,7 +289,7 @@ void Server::begin() {
         return is_ready_ ? std::optional<double>()
                          : std::min(keeper_->wait_ms(now_ms()).value_or(100), 100.0);
       });
-  view::Start start = sources.start();
+  view::Start start = sources.start;
   start.wake = ticker_->waker();
   start.shared = shared;
   keeper_ = std::make_unique<view::ViewModel>(start);

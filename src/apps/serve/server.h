@@ -29,7 +29,7 @@ struct PictureRequest {
 };
 
 struct Sources {
-  std::function<view::Start()> start;                   ///< of a new page
+  view::Start start;                                    ///< of a new page
   std::function<PictureRequest(const Query&)> picture;  ///< throws Error(usage) for what is no option
   std::function<void(const std::string&)> announce;     ///< the address, once it answers
   std::function<void(const std::string&)> say;
