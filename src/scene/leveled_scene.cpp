@@ -68,15 +68,16 @@ std::uint64_t LeveledScene::points() const {
   return all;
 }
 
-Scene LeveledScene::overview(Progress& progress, const std::function<void(const PointCloud&)>& see_all) {
+Scene LeveledScene::unselected_overview(Progress& progress) const {
+  const LeveledScene all = unselected();
+  return all.gather(all.coarse_nodes(overview_points), progress);
+}
+
+Scene LeveledScene::overview(Progress& progress, std::optional<Scene> all) {
   Scene scene;
   try {
-    scene = gather(coarse_nodes(overview_points), progress);
-    // A box reads other nodes than the whole does.
-    const bool is_all = !options_.selection.crop;
-    if (see_all && is_all) see_all(scene.cloud);
-    if (see_all && !is_all) see_all(unselected().coarse(overview_points, progress).cloud);
-    scene = narrowed(std::move(scene));
+    const bool is_there = all && !options_.selection.crop;
+    scene = is_there ? narrowed(std::move(*all)) : coarse(overview_points, progress);
   } catch (const NothingSelected& nothing) {
     scene = unselected().coarse(overview_points, progress);
     scene.notes.push_back("nothing of the selection is in the coarse levels (" + std::string(nothing.what()) +

@@ -1,7 +1,6 @@
 // Scenes of COPC files that are read by their levels.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,9 +23,10 @@ class LeveledScene {
   /// The coarse levels: from where to look follows from them. They, or the sample that the files bring, go
   /// with all that is read later (`Scene::overview`).
   /// Where nothing of the selection is in them, they hold what the whole has, and a note says so.
-  /// `see_all` is given what these levels hold whatever is selected, and whatever box.
-  Scene overview(Progress& progress = no_progress(),
-                 const std::function<void(const PointCloud&)>& see_all = {});
+  /// `all`, from `unselected_overview`, is not read again unless a box wants other nodes.
+  Scene overview(Progress& progress = no_progress(), std::optional<Scene> all = std::nullopt);
+  /// What these levels hold whatever is selected, and whatever box.
+  Scene unselected_overview(Progress& progress = no_progress()) const;
   /// Where it was read before, of the same files and selection.
   void set_overview(std::shared_ptr<const Overview> overview) { overview_ = std::move(overview); }
   /// As many whole levels as `points` and the budget allow, the coarsest in any case.

@@ -5,25 +5,24 @@
 
 namespace sfumato {
 
-Opening::Opening(const Request& request, const std::vector<scene::SceneFile>& files, Progress& progress,
-                 OpeningSteps steps)
+Opening::Opening(const Request& request, const std::vector<scene::SceneFile>& files, Progress& progress)
     : request_(request) {
-  scene::SceneOptions options = request.scene_options();
-  if (!steps.all) leveled_ = scene::LeveledScene::open(files, options, request.memory);
-  if (leveled_) {
-    read_overview(std::move(steps), progress);
-    return;
-  }
-  if (steps.before_reading && !steps.all) steps.before_reading(options.read);
-  scene_ = steps.all ? std::move(*steps.all) : scene::read_all(files, options, progress);
-  if (steps.see_all) steps.see_all(scene_);
-  scene::narrow(scene_, files, options);
+  const scene::SceneOptions options = request.scene_options();
+  leveled_ = scene::LeveledScene::open(files, options, request.memory);
+  scene_ = leveled_ ? read_overview({}, progress) : scene::read_scene(files, options, progress);
   find_pose(progress);
 }
 
-Opening::Opening(const Request& request, scene::LeveledScene files, Progress& progress)
+Opening::Opening(const Request& request, scene::LeveledScene files, Progress& progress,
+                 std::optional<scene::Scene> all)
     : request_(request), leveled_(std::move(files)) {
-  read_overview({}, progress);
+  scene_ = read_overview(std::move(all), progress);
+  find_pose(progress);
+}
+
+Opening::Opening(const Request& request, scene::LeveledScene files, Pose pose)
+    : request_(request), leveled_(std::move(files)), pose_(std::move(pose)) {
+  check_levels();
 }
 
 Opening::Opening(const Request& request, scene::Scene scene, Progress& progress)
@@ -31,7 +30,12 @@ Opening::Opening(const Request& request, scene::Scene scene, Progress& progress)
   find_pose(progress);
 }
 
-void Opening::read_overview(OpeningSteps steps, Progress& progress) {
+scene::Scene Opening::read_overview(std::optional<scene::Scene> all, Progress& progress) {
+  check_levels();
+  return leveled_->overview(progress, std::move(all));
+}
+
+void Opening::check_levels() const {
   for (const auto& [option, given] :
        {std::pair("vertical exaggeration", request_.vertical_exaggeration() != 1),
         {"an index picture", !request_.output_index.empty()}})
@@ -39,11 +43,6 @@ void Opening::read_overview(OpeningSteps steps, Progress& progress) {
       throw Error(ErrorCode::usage, std::string(option) +
                                         " needs all points in memory, and files are larger: give more "
                                         "memory or crop");
-  if (steps.nodes) leveled_->keep_nodes(std::move(steps.nodes));
-  if (steps.pose) leveled_->set_overview(std::move(steps.overview));
-  if (steps.see_levels || !steps.pose) scene_ = leveled_->overview(progress, steps.see_levels);
-  if (!steps.pose) return find_pose(progress);
-  pose_ = std::move(*steps.pose);
 }
 
 void Opening::find_pose(Progress& progress) {

@@ -2,7 +2,6 @@
 // those that a view needs; which way is up; and from where to look.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,28 +12,17 @@
 
 namespace sfumato {
 
-/// What is known before the files are opened, and who follows their reading. Nothing and nobody by default.
-struct OpeningSteps {
-  // Of files with levels whose pose is known, only what views need is read.
-  std::optional<Pose> pose;
-  std::shared_ptr<const scene::Overview> overview;
-  std::shared_ptr<io::ChunkCache> nodes;  ///< what was decoded of them
-  /// Their coarse levels, whatever is selected; then these are read in any case.
-  std::function<void(const PointCloud&)> see_levels;
-  // Of files that are read whole.
-  std::optional<scene::Scene> all;  ///< their points, as an earlier `see_all` was given them
-  std::function<void(io::ReadOptions&)> before_reading;
-  std::function<void(const scene::Scene&)> see_all;  ///< their points, whatever is selected
-};
-
 class Opening {
  public:
   /// Reads the files, or the coarse levels of files with levels that are larger than the request's memory.
   /// Throws as scene::read_scene does, and Error(usage) where heights are exaggerated of the latter.
   Opening(const Request& request, const std::vector<scene::SceneFile>& files,
-          Progress& progress = no_progress(), OpeningSteps steps = {});
-  /// Files with levels, however large they are.
-  Opening(const Request& request, scene::LeveledScene files, Progress& progress = no_progress());
+          Progress& progress = no_progress());
+  /// Files with levels, however large they are. `all`: of them, as LeveledScene::overview takes it.
+  Opening(const Request& request, scene::LeveledScene files, Progress& progress = no_progress(),
+          std::optional<scene::Scene> all = std::nullopt);
+  /// The same where the pose is known: nothing is read but what views need.
+  Opening(const Request& request, scene::LeveledScene files, Pose pose);
   /// What is in memory, and selected.
   Opening(const Request& request, scene::Scene scene, Progress& progress = no_progress());
 
@@ -62,7 +50,8 @@ class Opening {
                          Progress& progress = no_progress()) const;
 
  private:
-  void read_overview(OpeningSteps steps, Progress& progress);
+  scene::Scene read_overview(std::optional<scene::Scene> all, Progress& progress);
+  void check_levels() const;
   void find_pose(Progress& progress);
 
   Request request_;

@@ -67,12 +67,13 @@ class Loader::Work {
   /// Tells files from those that took their names since: inode, size, time in seconds and nanoseconds of
   /// each.
   using Stamps = std::vector<std::array<std::int64_t, 4>>;
+  using LevelsKey = std::pair<Key, Stamps>;
   static Key key_of(const LoadJob& job);
   static Stamps stamps_of(const std::vector<scene::SceneFile>& files);
   void serve();
   Loaded read(const LoadJob& job, Watch& watch);
-  Loaded read_levels(const LoadJob& job, Opening& opening, Watch& watch);
-  void begin_whole(const LoadJob& job, io::ReadOptions& options, Watch& watch);
+  Loaded read_levels(const LoadJob& job, scene::LeveledScene levels, const LevelsKey& key, Watch& watch);
+  scene::Scene read_whole(const LoadJob& job, scene::SceneOptions options, Watch& watch);
   void give_sample(const LoadJob& job, Watch& watch);
   void give_more(const LoadJob& job);
   Loaded sample_of(const LoadJob& job, scene::Scene scene);
@@ -95,7 +96,7 @@ class Loader::Work {
   Key kept_key_;
   // Of files with levels, of the thread alone.
   std::shared_ptr<io::ChunkCache> nodes_;
-  std::optional<std::pair<Key, Stamps>> nodes_key_;
+  std::optional<LevelsKey> nodes_key_;
   std::vector<ClassShare> classes_;  ///< of their coarse levels and what was read since, whatever is selected
   std::shared_ptr<scene::StandardInput> standard_input_;  ///< kept, once it was named: it comes only once
   PointCloud first_sample_;                               ///< some of it, until the file is read
@@ -240,7 +241,25 @@ void Loader::Work::give_more(const LoadJob& job) {
 }
 
 /// Too much to hold: what a view needs, the coarse levels before there is one.
-Loaded Loader::Work::read_levels(const LoadJob& job, Opening& opening, Watch& watch) {
+Loaded Loader::Work::read_levels(const LoadJob& job, scene::LeveledScene levels, const LevelsKey& key,
+                                 Watch& watch) {
+  // What was decoded for the last views is not decoded again.
+  if (job.anew || nodes_key_ != key) {
+    nodes_ = std::make_shared<io::ChunkCache>(job.request.memory / scene::share_of_kept_nodes);
+    nodes_key_.reset();  // until the classes are known: this may be cancelled
+  }
+  levels.keep_nodes(nodes_);
+  std::optional<scene::Scene> all;
+  if (!nodes_key_) {
+    // What is selected is not all that there is to select from.
+    all = levels.unselected_overview(watch);
+    classes_ = classes_of(all->cloud);
+    for (ClassShare& each : classes_) each.points = 0;  // coarse levels are no fair sample of the numbers
+    nodes_key_ = key;
+  }
+  if (job.pose) levels.set_overview(job.overview);
+  Opening opening = job.pose ? Opening(job.request, std::move(levels), *job.pose)
+                             : Opening(job.request, std::move(levels), watch, std::move(all));
   Loaded known;
   known.id = job.id;
   known.follows_view = true;
@@ -276,55 +295,44 @@ Loaded Loader::Work::read_levels(const LoadJob& job, Opening& opening, Watch& wa
   return with(opening.read(fine, watch), fine, false);
 }
 
-/// A file that is read whole shows a sample of itself meanwhile.
-void Loader::Work::begin_whole(const LoadJob& job, io::ReadOptions& options, Watch& watch) {
+/// All points, whatever is selected. A file shows a sample of itself meanwhile.
+scene::Scene Loader::Work::read_whole(const LoadJob& job, scene::SceneOptions options, Watch& watch) {
   for (const scene::SceneFile& file : job.files)
     if (file.name == "-" && !standard_input_) standard_input_ = scene::StandardInput::get();
   if (job.sample_first) give_sample(job, watch);
   watch.update(0, "reading");
-  if (!job.sample_first || job.files.size() != 1) return;
-  tap_ = std::make_unique<io::RecordTap>(most_sample);
-  options.tap = tap_.get();
-  watch.on_more = [&] { give_more(job); };
+  if (job.sample_first && job.files.size() == 1) {
+    tap_ = std::make_unique<io::RecordTap>(most_sample);
+    options.read.tap = tap_.get();
+    watch.on_more = [&] { give_more(job); };
+  }
+  scene::Scene scene = scene::read_all(job.files, options, watch);
+  watch.on_more = nullptr;
+  tap_.reset();
+  first_sample_ = {};
+  return scene;
 }
 
 Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
   tap_.reset(), first_sample_ = {}, sample_up_.reset();  // of a file whose reading was cancelled
-  Loaded out;
-  out.id = job.id;
   const Key key = key_of(job);
-  const std::pair levels_key(key, stamps_of(job.files));
   const bool is_kept = !job.anew && kept_ && key == kept_key_;
   if (!is_kept) kept_.reset(), watch.update(0, "reading");
-  OpeningSteps steps;
-  steps.all = kept_;
-  steps.pose = job.pose, steps.overview = job.overview;
-  // What was decoded for the last views is not decoded again.
-  if (job.anew || !nodes_ || nodes_key_ != levels_key) {
-    nodes_ = std::make_shared<io::ChunkCache>(job.request.memory / scene::share_of_kept_nodes);
-    nodes_key_.reset();  // until the classes are known: this may be cancelled
-    // What is selected is not all that there is to select from.
-    steps.see_levels = [&](const PointCloud& cloud) {
-      classes_ = classes_of(cloud);
-      for (ClassShare& each : classes_) each.points = 0;  // coarse levels are no fair sample of the numbers
-      nodes_key_ = levels_key;
-    };
+  const scene::SceneOptions options = job.request.scene_options();
+  if (!is_kept) {
+    const LevelsKey levels_key(key, stamps_of(job.files));
+    if (auto levels = scene::LeveledScene::open(job.files, options, job.request.memory))
+      return read_levels(job, std::move(*levels), levels_key, watch);
   }
-  steps.nodes = nodes_;
-  steps.before_reading = [&](io::ReadOptions& options) { begin_whole(job, options, watch); };
-  steps.see_all = [&](const scene::Scene& all) {
-    watch.on_more = nullptr;
-    tap_.reset();
-    first_sample_ = {};
-    out.classes = classes_of(all.cloud);
-    out.box = bounds(all.cloud);
-    // A subsample of nothing selected is not what a selection starts from.
-    if (is_kept || all.cloud.size() > most_kept || job.request.points.read.max_points) return;
-    kept_ = all;
-    kept_key_ = key;
-  };
-  Opening opening(job.request, job.files, watch, std::move(steps));
-  if (opening.has_levels()) return read_levels(job, opening, watch);
+  scene::Scene scene = is_kept ? *kept_ : read_whole(job, options, watch);
+  Loaded out;
+  out.id = job.id;
+  out.classes = classes_of(scene.cloud);
+  out.box = bounds(scene.cloud);
+  // A subsample of nothing selected is not what a selection starts from.
+  if (!is_kept && scene.cloud.size() <= most_kept && !options.read.max_points) kept_ = scene, kept_key_ = key;
+  scene::narrow(scene, job.files, options);
+  Opening opening(job.request, std::move(scene), watch);
   out.pose = opening.pose();
   return finish(opening.take(), std::move(out));
 }

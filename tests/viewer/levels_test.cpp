@@ -269,23 +269,18 @@ TEST_F(LevelsTest, OneReadingTellsAllClassesAndWhatIsSelected) {
   const auto open = [&] {
     return *scene::LeveledScene::open(scene::files_of({scan().string()}), options, memory);
   };
-  std::set<float> seen;
-  std::size_t points_seen = 0;
-  const auto see = [&](const PointCloud& all) {
-    const ScalarField* kind = all.scalar("classification");
-    seen = {kind->values.begin(), kind->values.end()};
-    points_seen = all.size();
-  };
   Reads alone, both;
   const scene::Scene expected = open().overview(alone);
-  const scene::Scene scene = open().overview(both, see);
+  const scene::Scene all = open().unselected_overview(both);
+  const scene::Scene scene = open().overview(both, all);
   EXPECT_EQ(both.updates, alone.updates);
-  EXPECT_EQ(seen, (std::set{2.0f, 6.0f}));
+  const std::vector<float>& seen = all.cloud.scalar("classification")->values;
+  EXPECT_EQ(std::set(seen.begin(), seen.end()), (std::set{2.0f, 6.0f}));
   EXPECT_EQ(scene.cloud.positions, expected.cloud.positions);
   EXPECT_GT(scene.selected.hidden, 0u);
   const ScalarField* kind = scene.cloud.scalar("classification");
   EXPECT_EQ(std::count(kind->values.begin(), kind->values.end(), 6.0f), 0);
-  EXPECT_EQ(points_seen, scene.cloud.size() + scene.selected.hidden);
+  EXPECT_EQ(all.cloud.size(), scene.cloud.size() + scene.selected.hidden);
 }
 
 // What a box leaves out is seen as well, though nothing is read there for what is selected.
@@ -296,12 +291,10 @@ TEST_F(LevelsTest, ClassesBesideABoxAreKnown) {
   scene::SceneOptions options;
   auto both = scene::LeveledScene::open(files, options, memory, true);
   options.selection.crop = both->trees()[1].bounds;
-  std::size_t points_seen = 0;
-  const scene::Scene beside =
-      scene::LeveledScene::open(files, options, memory, true)
-          ->overview(no_progress(), [&](const PointCloud& all) { points_seen = all.size(); });
-  EXPECT_EQ(beside.levels->points, 20'000u);
-  EXPECT_EQ(points_seen, both->overview().cloud.size());
+  auto boxed = scene::LeveledScene::open(files, options, memory, true);
+  const scene::Scene all = boxed->unselected_overview();
+  EXPECT_EQ(boxed->overview(no_progress(), all).levels->points, 20'000u);
+  EXPECT_EQ(all.cloud.size(), both->overview().cloud.size());
 }
 
 // What cannot be opened is said once, and not again for every view of what is still on the screen.
