@@ -103,6 +103,12 @@ RenderOutput PictureWriter::render(ChosenTechnique& chosen, const Camera& camera
   return session_.render(chosen, camera, wants_, console_);
 }
 
+void PictureWriter::report(std::size_t i, const RenderOutput& out) {
+  report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.outliers, out.notes};
+  report_.settings.insert_or_assign(choice_.techniques[i]->name, out.settings);
+  report_.background = session_.background();
+}
+
 void PictureWriter::render_picture(const Camera& camera, int n, Stopwatch& watch) {
   if (std::max(camera.width, camera.height) > Renderer::largest_side)
     throw Error(ErrorCode::usage, fmt::format("{}x{} is beyond the largest picture ({} px a side): "
@@ -122,8 +128,7 @@ void PictureWriter::render_picture(const Camera& camera, int n, Stopwatch& watch
     console_.check();
     console_.update(double(i) / double(choice_.techniques.size()), "rendering " + chosen.name);
     out = render(chosen, camera);
-    report_.techniques[i] = {out.timings, out.total_ms, out.points_drawn, out.outliers, out.notes};
-    report_.settings.insert_or_assign(chosen.name, out.settings);
+    report(i, out);
     blank = blank && (out.points_drawn == 0 || (wants_.color && is_blank(out.rgba8, out.rgba8.at(0, 0))));
     if (choice_.techniques.size() > 1)
       panels.push_back({chosen.name, std::move(out.rgba8)});
@@ -131,7 +136,6 @@ void PictureWriter::render_picture(const Camera& camera, int n, Stopwatch& watch
       panels.push_back({chosen.name, out.rgba8});
   }
   report_.blank_pictures += blank;
-  report_.background = session_.background();
   console_.check();
   watch.lap("render");
   if (!options_.output_panels.empty()) write_panels(panels, camera, n);
@@ -143,7 +147,6 @@ void PictureWriter::render_picture(const Camera& camera, int n, Stopwatch& watch
     draw_furniture(out.rgba8, camera);
   }
   write(out, camera, n);
-  write_world_file();
   watch.lap("write");
 }
 
@@ -153,16 +156,13 @@ struct PictureWriter::Rows {
   std::optional<io::TiffRows> tiff;
   std::optional<io::ExrRows> exr, depth_exr;
   std::optional<io::NpyRows> npy, depth_npy, index_npy, normal_npy;
-  std::string whole_name, depth_name;
+  std::string whole_name, depth_name, camera_name;
   Image<Rgba8> whole;
   Image<float> depth;
-  std::optional<Rgba8> corner;  ///< of what there is no more than one colour
-  bool is_blank = true;
 };
 
-void PictureWriter::open(Rows& rows, const Camera& camera, int n) {
-  const int width = camera.width, height = camera.height;
-  if (!options_.output.empty()) {
+void PictureWriter::open(Rows& rows, const Camera& camera, int width, int height, int n) {
+  if (!options_.output.empty() && !is_video(options_.output)) {
     const std::string name = name_of(options_.output, n), extension = extension_of(name);
     if (extension == ".exr")
       rows.exr.emplace(name, width, height, true, true, true, command_);
@@ -189,68 +189,81 @@ void PictureWriter::open(Rows& rows, const Camera& camera, int n) {
     rows.index_npy.emplace(name_of(options_.output_index, n), width, height, 0);
   if (!options_.output_normal.empty())
     rows.normal_npy.emplace(name_of(options_.output_normal, n), width, height, 3);
+  if (!options_.output_camera.empty()) rows.camera_name = name_of(options_.output_camera, n);
 }
 
+namespace {
+
+template <class T>
+void put(Image<T>& whole, Image<T>& rows, int first_row) {
+  if (rows.size() == whole.size())
+    whole = std::move(rows);
+  else
+    std::copy(rows.begin(), rows.end(), &whole.at(0, first_row));
+}
+
+}  // namespace
+
+/// Takes the images of the strip.
 void PictureWriter::add(Rows& rows, RenderOutput& strip, int first_row, const Camera& camera) {
-  const std::size_t place = std::size_t(first_row) * std::size_t(camera.width);
-  if (rows.is_blank && !strip.rgba8.empty()) {
-    if (!rows.corner) rows.corner = strip.rgba8.at(0, 0);
-    rows.is_blank = is_blank(strip.rgba8, *rows.corner);
-  }
-  if (!strip.rgba8.empty()) draw_furniture(strip.rgba8, camera, first_row);
   if (rows.png) rows.png->write(strip.rgba8);
   if (rows.tiff) rows.tiff->write(strip.rgba8);
   if (rows.exr) rows.exr->write(strip.color_linear, strip.depth, strip.normal);
   if (rows.npy) rows.npy->write(strip.color_linear);
-  if (!rows.whole.empty()) std::copy(strip.rgba8.begin(), strip.rgba8.end(), rows.whole.data() + place);
+  if (rows.index_npy) rows.index_npy->write(index_->of(camera, strip.depth, first_row));
   if (rows.depth_exr) rows.depth_exr->write({}, strip.depth, {});
   if (rows.depth_npy) rows.depth_npy->write(strip.depth);
-  if (!rows.depth.empty()) std::copy(strip.depth.begin(), strip.depth.end(), rows.depth.data() + place);
-  if (rows.index_npy) rows.index_npy->write(index_->of(camera, strip.depth, first_row));
   if (rows.normal_npy) rows.normal_npy->write(strip.normal);
+  if (!rows.whole.empty()) put(rows.whole, strip.rgba8, first_row);
+  if (!rows.depth.empty()) put(rows.depth, strip.depth, first_row);
 }
 
 void PictureWriter::close(Rows& rows, const Camera& camera) {
+  const int quality = options_.quality.value_or(90);
   if (rows.png) rows.png->finish();
   if (rows.tiff) rows.tiff->finish();
   for (auto* exr : {&rows.exr, &rows.depth_exr})
     if (*exr) (*exr)->finish();
   for (auto* npy : {&rows.npy, &rows.depth_npy, &rows.index_npy, &rows.normal_npy})
     if (*npy) (*npy)->finish();
-  if (!rows.whole.empty()) write_image(rows.whole_name, rows.whole, camera);
-  if (!rows.depth.empty()) write_depth(rows.depth_name, rows.depth);
+  if (extension_of(rows.whole_name) == ".webp")
+    io::write_webp(rows.whole_name, rows.whole, options_.no_background, quality);
+  else if (!rows.whole_name.empty())
+    io::write_jpeg(rows.whole_name, rows.whole, quality, options_.dpi());
+  if (!rows.depth.empty()) write_depth_png(rows.depth_name, rows.depth);
+  if (!rows.camera_name.empty()) io::write_camera(rows.camera_name, camera);
+  if (!world_) return;
+  io::write_world_file(world_->first, world_->second);
+  report_.outputs.push_back(world_->first.string());
+  world_.reset();
 }
 
 /// A picture in tiles: rows of them are written as soon as they are drawn, and forgotten.
 void PictureWriter::write_rows(const Camera& camera, int n, Stopwatch& watch) {
   Rows rows;
-  open(rows, camera, n);
+  open(rows, camera, camera.width, camera.height, n);
+  std::optional<Rgba8> corner;  // of what there is no more than one colour
+  bool blank = true;
   ChosenTechnique& chosen = *choice_.techniques.front();
   console_.check();
   const RenderOutput out = session_.render_rows(
       chosen, camera, wants_,
       [&](RenderOutput& strip, int first_row) {
         watch.lap("render");
+        if (wants_.color) {
+          if (!corner) corner = strip.rgba8.at(0, 0);
+          blank = blank && is_blank(strip.rgba8, *corner);
+          draw_furniture(strip.rgba8, camera, first_row);
+        }
         add(rows, strip, first_row, camera);
         watch.lap("write");
       },
       console_);
   watch.lap("render");
-  report_.techniques.front() = {out.timings, out.total_ms, out.points_drawn, out.outliers, out.notes};
-  report_.settings.insert_or_assign(chosen.name, out.settings);
-  report_.blank_pictures += out.points_drawn == 0 || (wants_.color && rows.is_blank);
-  report_.background = session_.background();
+  report(0, out);
+  report_.blank_pictures += out.points_drawn == 0 || (wants_.color && blank);
   close(rows, camera);
-  if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
-  write_world_file();
   watch.lap("write");
-}
-
-void PictureWriter::write_world_file() {
-  if (!world_) return;
-  io::write_world_file(world_->first, world_->second);
-  report_.outputs.push_back(world_->first.string());
-  world_.reset();
 }
 
 /// Nothing but background: points may lie in the view and yet be too small or too far to be seen.
@@ -266,22 +279,6 @@ std::string PictureWriter::name_of(const std::string& pattern, int n, const std:
   return name;
 }
 
-void PictureWriter::write_image(const std::string& name, const Image<Rgba8>& image, const Camera& camera) {
-  const std::string extension = extension_of(name);
-  if (extension == ".jpg" || extension == ".jpeg") {
-    return io::write_jpeg(name, image, options_.quality.value_or(90), options_.dpi());
-  }
-  if (extension == ".webp")
-    return io::write_webp(name, image, options_.no_background, options_.quality.value_or(90));
-  if (extension == ".tif" || extension == ".tiff") {
-    io::TiffRows tiff(name, image.width(), image.height(), options_.no_background, options_.dpi(),
-                      place_of(camera), command_);
-    tiff.write(image);
-    return tiff.finish();
-  }
-  io::write_png(name, image, options_.no_background, texts_of(camera), options_.dpi());
-}
-
 io::PngTexts PictureWriter::texts_of(const Camera& camera) const {
   return sfumato::texts_of(command_, camera, note_on_cutaway(session_.pose(), {&camera, 1}));
 }
@@ -291,18 +288,8 @@ void PictureWriter::write_panels(const std::vector<labels::Panel>& panels, const
     const std::string name = name_of(options_.output_panels, n, panel.label);
     Image<Rgba8> image = panel.image;
     draw_furniture(image, camera);
-    write_image(name, image, camera);
+    io::write_png(name, image, options_.no_background, texts_of(camera), options_.dpi());
   }
-}
-
-void PictureWriter::write_depth(const std::string& name, const Image<float>& depth) {
-  const std::string extension = extension_of(name);
-  if (extension == ".exr")
-    io::write_exr(name, {}, depth, {}, command_);
-  else if (extension == ".png")
-    write_depth_png(name, depth);
-  else
-    io::write_npy(name, depth);
 }
 
 void PictureWriter::write_depth_png(const std::string& name, const Image<float>& depth) {
@@ -326,7 +313,8 @@ void PictureWriter::finish() {
   if (video_) video_->finish();
 }
 
-void PictureWriter::write(const RenderOutput& out, const Camera& camera, int n) {
+/// A picture that is there as a whole.
+void PictureWriter::write(RenderOutput& out, const Camera& camera, int n) {
   if (options_.publication) return options_.publication->add(out.rgba8, out.depth, camera);
   if (is_video(options_.output)) {
     if (!video_) {
@@ -334,19 +322,13 @@ void PictureWriter::write(const RenderOutput& out, const Camera& camera, int n) 
       video_ = std::make_unique<Video>(options_.output, out.rgba8.width(), out.rgba8.height());
     }
     video_->add(out.rgba8);
-  } else if (!options_.output.empty()) {
-    const std::string name = name_of(options_.output, n), extension = extension_of(name);
-    if (extension == ".exr")
-      io::write_exr(name, out.color_linear, out.depth, out.normal, command_);
-    else if (extension == ".npy")
-      io::write_npy(name, out.color_linear);
-    else
-      write_image(name, out.rgba8, camera);
   }
-  if (!options_.output_depth.empty()) write_depth(name_of(options_.output_depth, n), out.depth);
-  if (index_) io::write_npy(name_of(options_.output_index, n), index_->of(camera, out.depth));
-  if (!options_.output_normal.empty()) io::write_npy(name_of(options_.output_normal, n), out.normal);
-  if (!options_.output_camera.empty()) io::write_camera(name_of(options_.output_camera, n), camera);
+  const bool is_sheet = choice_.techniques.size() > 1 && wants_.color;
+  Rows rows;
+  open(rows, camera, is_sheet ? out.rgba8.width() : camera.width,
+       is_sheet ? out.rgba8.height() : camera.height, n);
+  add(rows, out, 0, camera);
+  close(rows, camera);
 }
 
 }  // namespace sfumato::cli

@@ -50,17 +50,15 @@ class PictureWriter {
  private:
   RenderOutput render(ChosenTechnique& chosen, const Camera& camera);
   std::string name_of(const std::string& pattern, int n, const std::string& technique = {});
-  void write_image(const std::string& name, const Image<Rgba8>& image, const Camera& camera);
   void draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row = 0) const;
   std::optional<io::Georeference> place_of(const Camera& camera) const;
-  void write_world_file();
+  void report(std::size_t i, const RenderOutput& out);
   void write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n);
-  void write_depth(const std::string& name, const Image<float>& depth);
   void write_depth_png(const std::string& name, const Image<float>& depth);
-  void write(const RenderOutput& out, const Camera& camera, int n);
+  void write(RenderOutput& out, const Camera& camera, int n);
   struct Rows;
   void write_rows(const Camera& camera, int n, Stopwatch& watch);
-  void open(Rows& rows, const Camera& camera, int n);
+  void open(Rows& rows, const Camera& camera, int width, int height, int n);
   void add(Rows& rows, RenderOutput& strip, int first_row, const Camera& camera);
   void close(Rows& rows, const Camera& camera);
   io::PngTexts texts_of(const Camera& camera) const;
