@@ -98,17 +98,6 @@ std::string table_row(const io::ReadReport& r, std::optional<double> spacing) {
                      r.points_finite && spacing ? fmt::format("{:.4g}", *spacing) : "-", r.file.string());
 }
 
-/// What header and hierarchy of a COPC file or of tiles tell, without its points.
-io::ReadReport report_of(const copc::Tree& tree) {
-  io::ReadReport report;
-  report.file = tree.file;
-  report.format = tree.format;
-  report.points = report.points_finite = tree.points;
-  report.bounds_min = tree.bounds.min, report.bounds_max = tree.bounds.max;
-  report.crs = tree.crs;
-  return report;
-}
-
 std::string tree_text(const copc::Tree& tree) {
   // The table of attributes needs the points: names stand in its place.
   std::string text = info_text(report_of(tree), std::nullopt);

@@ -74,8 +74,20 @@ Json timings(const TechniqueReport& report) {
 
 }  // namespace
 
-std::string info_json(const io::ReadReport& report, double median_spacing,
-                      const std::vector<ClassShare>& classes) {
+io::ReadReport report_of(const copc::Tree& tree) {
+  io::ReadReport report;
+  report.file = tree.file;
+  report.format = tree.format;
+  report.points = report.points_finite = tree.points;
+  report.bounds_min = tree.bounds.min, report.bounds_max = tree.bounds.max;
+  report.crs = tree.crs;
+  return report;
+}
+
+namespace {
+
+Json facts_of(const io::ReadReport& report, std::optional<double> spacing) {
+  if (!report.points_finite) spacing.reset();
   Json json;
   json["file"] = report.file.string();
   json["format"] = report.format;
@@ -89,9 +101,16 @@ std::string info_json(const io::ReadReport& report, double median_spacing,
   for (const io::AttributeStats& a : report.attributes)
     json["attributes"][a.name] = {{"min", a.min}, {"max", a.max}, {"mean", a.mean}};
   json["crs"] = report.crs;
-  json["median_spacing"] = report.points_finite ? Json(median_spacing) : Json();
-  json["density"] =
-      report.points_finite && median_spacing > 0 ? Json(1 / (median_spacing * median_spacing)) : Json();
+  json["median_spacing"] = spacing ? Json(*spacing) : Json();
+  json["density"] = spacing && *spacing > 0 ? Json(1 / (*spacing * *spacing)) : Json();
+  return json;
+}
+
+}  // namespace
+
+std::string info_json(const io::ReadReport& report, double median_spacing,
+                      const std::vector<ClassShare>& classes) {
+  Json json = facts_of(report, median_spacing);
   json["classes"] = Json::array();
   for (const ClassShare& each : classes)
     json["classes"].push_back({{"id", each.id}, {"name", class_name(each.id)}, {"points", each.points}});
@@ -99,20 +118,8 @@ std::string info_json(const io::ReadReport& report, double median_spacing,
 }
 
 std::string tree_json(const copc::Tree& tree) {
-  Json json;
-  json["file"] = tree.file.string();
-  json["format"] = tree.format;
-  json["points"] = tree.points;
-  json["points_finite"] = tree.points;
-  json["points_dropped"] = 0;
-  json["points_missing"] = 0;
-  json["bounds_min"] = list(tree.bounds.min);
-  json["bounds_max"] = list(tree.bounds.max);
-  json["attributes"] = Json::object();
+  Json json = facts_of(report_of(tree), std::nullopt);
   for (const std::string& name : tree.attributes) json["attributes"][name] = nullptr;
-  json["crs"] = tree.crs;
-  json["median_spacing"] = nullptr;
-  json["density"] = nullptr;
   json["levels"] = Json::array();
   for (const copc::LevelFacts& level : levels_of(tree))
     json["levels"].push_back({{"level", level.level},

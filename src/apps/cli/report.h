@@ -18,6 +18,9 @@ namespace sfumato::cli {
 std::string info_json(const io::ReadReport& report, double median_spacing,
                       const std::vector<ClassShare>& classes);
 
+/// What header and hierarchy of a COPC file or of tiles tell, without its points.
+io::ReadReport report_of(const copc::Tree& tree);
+
 /// Of a COPC file, without reading its points: no values of attributes, no median spacing, but levels.
 std::string tree_json(const copc::Tree& tree);
 
