@@ -10,7 +10,6 @@
 #include <deque>
 #include <map>
 #include <mutex>
-#include <new>
 
 #include "core/error.h"
 #include "io/record_tap.h"
@@ -373,21 +372,14 @@ void Loader::Work::serve() {
     }
     Watch watch(*this);
     Loaded loaded;
-    const auto fail = [&](ErrorCode code, const std::string& what) {
-      loaded.failure = Failure{job.id, code, what};
-    };
     try {
       loaded = read(job, watch);
     } catch (const Cancelled&) {
       const std::lock_guard lock(mutex_);
       activity_ = {};
       continue;
-    } catch (const Error& error) {
-      fail(error.code(), error.what());
-    } catch (const std::bad_alloc&) {
-      fail(ErrorCode::out_of_memory, "out of memory; open fewer points (--max-points N)");
-    } catch (const std::exception& error) {
-      fail(ErrorCode::io, error.what());
+    } catch (...) {
+      loaded.failure = failure_of(job.id, ErrorCode::io);
     }
     loaded.id = job.id;
     give(std::move(loaded));

@@ -1,6 +1,21 @@
+#include <new>
+
+#include "core/error.h"
 #include "view/render_thread.h"
 
 namespace sfumato::view {
+
+Failure failure_of(std::uint64_t id, ErrorCode other) {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return {id, error.code(), error.what()};
+  } catch (const std::bad_alloc&) {
+    return {id, ErrorCode::out_of_memory, "out of memory; open fewer points (--max-points N)"};
+  } catch (const std::exception& error) {
+    return {id, other, error.what()};
+  }
+}
 
 std::shared_ptr<RenderThread> RenderClient::make_thread(std::shared_ptr<Gate> gate) {
   return std::make_shared<RenderThread>(std::move(gate));

@@ -94,6 +94,9 @@ struct Failure {
   std::string message;
 };
 
+/// The message that a person gets for what is being thrown; `other`: the code of what is no Error.
+Failure failure_of(std::uint64_t id, ErrorCode other = ErrorCode::usage);
+
 using Answer = std::variant<Picture, SceneReady, PickAnswer, Profile, JobCancelled, Failure>;
 
 /// What is going on, for a progress bar.

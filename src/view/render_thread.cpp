@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <new>
 
 #include "core/error.h"
 #include "gl/reset.h"
@@ -18,19 +17,6 @@ constexpr std::chrono::milliseconds idle_time(1500);
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-/// The message that a person gets for whatever was thrown.
-Failure failure_of(std::uint64_t id) {
-  try {
-    throw;
-  } catch (const Error& error) {
-    return {id, error.code(), error.what()};
-  } catch (const std::bad_alloc&) {
-    return {id, ErrorCode::out_of_memory, "out of memory; open fewer points (--max-points N)"};
-  } catch (const std::exception& error) {
-    return {id, ErrorCode::usage, error.what()};
-  }
 }
 
 }  // namespace
