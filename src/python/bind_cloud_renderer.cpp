@@ -108,10 +108,18 @@ std::shared_ptr<RenderedPicture> render(const RendererHandle& self, const std::o
   return picture;
 }
 
-template <class T>
-py::object image(Image<T>& values, std::vector<py::ssize_t> shape, auto* first, const py::object& owner) {
-  if (values.empty()) return py::none();
-  return view(first, std::move(shape), owner);
+/// The image that `find` gives of a picture as an array of (height, width), or (height, width, channels);
+/// None where it was not asked for.
+template <class Number>
+auto array_of(auto find) {
+  return [find](const py::object& self) -> py::object {
+    auto& image = find(self.cast<RenderedPicture&>());
+    if (image.empty()) return py::none();
+    std::vector<py::ssize_t> shape{image.height(), image.width()};
+    if (constexpr auto channels = sizeof(*image.data()) / sizeof(Number); channels > 1)
+      shape.push_back(py::ssize_t(channels));
+    return view(reinterpret_cast<Number*>(image.data()), std::move(shape), self);
+  };
 }
 
 /// Pictures of one size side by side, each below its label.
@@ -256,31 +264,11 @@ void bind_cloud_renderer(py::module_& module) {
       .def("__len__", [](const RendererHandle& self) { return self.get().points(); });
 
   py::class_<RenderedPicture, std::shared_ptr<RenderedPicture>>(module, "RenderedPicture")
-      .def("rgba",
-           [](const py::object& self) {
-             auto& i = self.cast<RenderedPicture&>().images.rgba8;
-             return image(i, {i.height(), i.width(), 4}, &i.data()->r, self);
-           })
-      .def("linear",
-           [](const py::object& self) {
-             auto& i = self.cast<RenderedPicture&>().images.color_linear;
-             return image(i, {i.height(), i.width(), 4}, &i.data()->x, self);
-           })
-      .def("depth",
-           [](const py::object& self) {
-             auto& i = self.cast<RenderedPicture&>().images.depth;
-             return image(i, {i.height(), i.width()}, i.data(), self);
-           })
-      .def("index",
-           [](const py::object& self) {
-             auto& i = self.cast<RenderedPicture&>().index;
-             return image(i, {i.height(), i.width()}, i.data(), self);
-           })
-      .def("normal",
-           [](const py::object& self) {
-             auto& i = self.cast<RenderedPicture&>().images.normal;
-             return image(i, {i.height(), i.width(), 3}, &i.data()->x, self);
-           })
+      .def("rgba", array_of<std::uint8_t>([](RenderedPicture & p) -> auto& { return p.images.rgba8; }))
+      .def("linear", array_of<float>([](RenderedPicture & p) -> auto& { return p.images.color_linear; }))
+      .def("depth", array_of<float>([](RenderedPicture & p) -> auto& { return p.images.depth; }))
+      .def("index", array_of<std::int64_t>([](RenderedPicture & p) -> auto& { return p.index; }))
+      .def("normal", array_of<float>([](RenderedPicture & p) -> auto& { return p.images.normal; }))
       .def("save", &save)
       .def_readonly("camera", &RenderedPicture::camera)
       .def_readonly("transparent", &RenderedPicture::transparent)
