@@ -89,6 +89,11 @@ Preset load_preset(const std::filesystem::path& file) {
   };
   const Json json = io::load_json(file);
   if (!json.is_object()) refuse("not a JSON object");
+  const auto check_kept = [&](const std::string& name) {
+    if (!is_kept(name, json.contains("files")))
+      refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
+             with_dashes(name) + " to the command");
+  };
   Preset preset;
   preset.file = file.string();
   for (const auto& [key, value] : json.items()) {
@@ -96,9 +101,7 @@ Preset load_preset(const std::filesystem::path& file) {
       preset.technique = value.get<std::string>();
     } else if (key == "parameters" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_kept(name, json.contains("files")))
-          refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
-                 with_dashes(name) + " to the command");
+        check_kept(name);
         if (!setting.is_object()) {
           preset.parameters.emplace_back(name, spell(setting));
           continue;
@@ -108,9 +111,7 @@ Preset load_preset(const std::filesystem::path& file) {
       }
     } else if (key == "options" && value.is_object()) {
       for (const auto& [name, setting] : value.items()) {
-        if (!is_kept(name, json.contains("files")))
-          refuse("'" + name + "' is no look: a preset names no files and sets no reports; pass --" +
-                 with_dashes(name) + " to the command");
+        check_kept(name);
         const Option* known = find_option(name);
         const bool repeated = known && known->kind == Option::Kind::texts && setting.is_array();
         for (const Json& one : repeated ? setting : Json::array({setting}))
