@@ -35,46 +35,41 @@ bool RenderClient::hold(const SceneKey& shared_key) {
 
 void RenderClient::show(SceneJob job) {
   const std::lock_guard lock(thread_->mutex);
-  if (state_->live) state_->answers.push_back(JobCancelled{state_->live->id});
-  state_->live.reset();
+  state_->drop_live();
   state_->scene = std::move(job);
-  state_->cancel_scene = thread_->cancel_idle = true;
-  thread_->work.notify_all();
+  state_->cancel_scene = true;
+  thread_->wake();
 }
 
 void RenderClient::render(PictureJob job) {
   const std::lock_guard lock(thread_->mutex);
-  if (state_->live) state_->answers.push_back(JobCancelled{state_->live->id});
+  state_->drop_live();
   state_->live = std::move(job);
-  state_->cancel_live = thread_->cancel_idle = true;
-  thread_->work.notify_all();
+  state_->cancel_live = true;
+  thread_->wake();
 }
 
 void RenderClient::render_to_keep(PictureJob job) {
   const std::lock_guard lock(thread_->mutex);
   state_->kept.push_back(std::move(job));
-  thread_->cancel_idle = true;
-  thread_->work.notify_all();
+  thread_->wake();
 }
 
 void RenderClient::pick(PickJob job) {
   const std::lock_guard lock(thread_->mutex);
   state_->picks.push_back(std::move(job));
-  thread_->cancel_idle = true;
-  thread_->work.notify_all();
+  thread_->wake();
 }
 
 void RenderClient::profile(ProfileJob job) {
   const std::lock_guard lock(thread_->mutex);
   state_->profile = std::move(job);
-  thread_->cancel_idle = true;
-  thread_->work.notify_all();
+  thread_->wake();
 }
 
 void RenderClient::cancel() {
   const std::lock_guard lock(thread_->mutex);
-  if (state_->live) state_->answers.push_back(JobCancelled{state_->live->id});
-  state_->live.reset();
+  state_->drop_live();
   state_->cancel_live = thread_->cancel_idle = true;
 }
 

@@ -88,6 +88,10 @@ struct RenderClient::State {
   std::atomic<std::uint64_t> point_bytes{0};
   std::atomic<bool> gone{false}, cancel_live{false}, cancel_scene{false};
 
+  void drop_live() {
+    if (live) answers.push_back(JobCancelled{live->id});
+    live.reset();
+  }
   bool is_waiting() const {
     return scene || (shared && (live || profile || !kept.empty() || !picks.empty()));
   }
@@ -119,6 +123,10 @@ class RenderThread {
     one.gone = one.cancel_live = one.cancel_scene = true;
     const std::lock_guard lock(mutex);
     one.wake = [] {};
+    wake();
+  }
+  /// With the lock: there is something better to do than what may be wanted later.
+  void wake() {
     cancel_idle = true;
     work.notify_all();
   }
