@@ -16,6 +16,8 @@ class SceneState {
  public:
   /// Without its clouds, which the render clients have; null before the first sample.
   const Loaded* loaded() const { return loaded_ ? &*loaded_ : nullptr; }
+  UpAxis up() const { return loaded_ ? loaded_->pose.upright.up : UpAxis::pos_z; }
+  std::string crs() const { return loaded_ ? loaded_->crs : ""; }
   /// Its files are read, or prepared to be drawn.
   bool loading() const { return load_state_ == LoadState::reading || load_state_ == LoadState::preparing; }
   /// The whole cloud can be drawn.

@@ -6,6 +6,7 @@
 
 #include "core/counted.h"
 #include "core/error.h"
+#include "view/light_hand.h"
 
 namespace sfumato::view {
 
@@ -58,6 +59,40 @@ void ViewModel::move(const std::string& what, const std::function<void(Navigator
   request_.camera = navigator_.camera();
   history_.record(request_, what, now_ms_);
   repaint();
+}
+
+void ViewModel::drag(Drag kind, const dvec3& grabbed, double dx_px, double dy_px) {
+  if (kind == Drag::light)
+    change("light", [&](ViewRequest& next) {
+      next.set("light", drag_light(next.settings(), camera(), navigator_.up_axis(), dx_px, dy_px, height_));
+    });
+  if (kind == Drag::rotate)
+    move("rotate", [&](Navigator& hand) { hand.rotate(dx_px, dy_px, height_, grabbed); });
+  if (kind == Drag::pan) move("pan", [&](Navigator& hand) { hand.pan(dx_px, dy_px, height_, grabbed); });
+}
+
+void ViewModel::show_class(int id, bool shown) {
+  change("classes", [&](ViewRequest& next) {
+    // Noise that this scan lacks stays hidden by default, so that the command stays short.
+    std::vector<int> hidden = next.hide_classes;
+    if (scene.loaded())
+      for (const ClassShare& each : scene.loaded()->classes) {
+        std::erase(hidden, each.id);
+        if (!next.shows_class(each.id)) hidden.push_back(each.id);
+      }
+    std::erase(hidden, id);
+    if (!shown) hidden.push_back(id);
+    std::sort(hidden.begin(), hidden.end());
+    next.points.selection.show_classes.clear();
+    next.hide_classes = std::move(hidden);
+  });
+}
+
+std::optional<std::string> ViewModel::resolved(const std::string& parameter) const {
+  if (shown_ && shown_->technique == request_.technique)
+    for (const auto& [name, value] : shown_->resolved)
+      if (name == parameter) return value;
+  return std::nullopt;
 }
 
 void ViewModel::undo() {

@@ -40,6 +40,9 @@ struct Start {
   std::shared_ptr<SharedScenes> shared;  ///< with other view models of this thread; null: alone
 };
 
+/// What a hand moves that drags over the picture.
+enum class Drag { none, rotate, pan, light };
+
 /// Bytes.
 struct Memory {
   std::uint64_t process = 0, process_peak = 0;  ///< resident; 0 where the system does not tell
@@ -67,6 +70,13 @@ class ViewModel {
   void change(const std::string& what, const std::function<void(ViewRequest&)>& edit);
   /// The same for the camera.
   void move(const std::string& what, const std::function<void(Navigator&)>& edit);
+  /// Of a drag that holds `place_at` where it began, to turn `pivot_at`.
+  void drag(Drag kind, const dvec3& grabbed, double dx_px, double dy_px);
+  dvec3 grab(Drag kind, double x_px, double y_px) const {
+    return kind == Drag::rotate ? pivot_at(x_px, y_px) : place_at(x_px, y_px);
+  }
+  /// Every class that is not named stays as it is shown.
+  void show_class(int id, bool shown);
   void undo();
   void redo();
   bool can_undo() const { return history_.can_undo(); }
@@ -94,6 +104,8 @@ class ViewModel {
   /// The newest picture; null before the first.
   std::shared_ptr<const Picture> picture() const { return shown_; }
   Quality shown_quality() const { return shown_quality_; }
+  /// What an automatic parameter of its technique became in it; nothing where that is not known.
+  std::optional<std::string> resolved(const std::string& parameter) const;
   bool settled() const { return refinement_.settled() && !scene.loading() && !is_coarser_than_wanted(); }
   bool moving() const { return refinement_.moving(now_ms_); }
   double motion_ms() const { return motion_ms_; }  ///< between two pictures in motion, smoothed; 0: none yet

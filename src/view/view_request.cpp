@@ -169,6 +169,12 @@ std::vector<Control> ViewRequest::analysis_controls(const std::string& group) co
   return controls_of(AnalysisParameters(analysis).list, group);
 }
 
+bool ViewRequest::shows_class(int id) const {
+  const std::vector<int>& only = points.selection.show_classes;
+  const std::vector<int>& named = only.empty() ? hide_classes : only;
+  return (std::find(named.begin(), named.end(), id) != named.end()) != only.empty();
+}
+
 std::unique_ptr<Look> ViewRequest::make_look() const {
   auto look = std::make_unique<Look>(technique.empty() ? stand_in_technique : technique);
   for (const auto& [name, value] : parameters_of(look->name)) look->set(name, value);

@@ -79,6 +79,8 @@ struct ViewRequest : Request {
   /// As a file that reads back so: the look alone, or, with a camera, the files seen from there.
   void save(const std::string& file, const std::optional<Camera>& seen) const;
 
+  /// Whether the points of a class are drawn.
+  bool shows_class(int id) const;
   /// Another source of colours, over the range that suits it.
   void show_source(const std::string& color_by) {
     color.color_by = color_by;

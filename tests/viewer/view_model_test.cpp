@@ -157,6 +157,20 @@ TEST_F(ViewModelTest, UndoKeepsTheTechniqueThatWasChosen) {
   EXPECT_THAT(model.scene.reason(), HasSubstr("has --epsilon"));
 }
 
+// What was named to be shown becomes what is left out, and noise stays so.
+TEST_F(ViewModelTest, ShowsAndHidesOneClassAmongOthers) {
+  Start only = start(write("here.las", 0));
+  only.request.points.selection.show_classes = {2};
+  ViewModel& model = show(only);
+  EXPECT_FALSE(model.request().shows_class(6));
+  model.show_class(6, true);
+  EXPECT_TRUE(model.request().points.selection.show_classes.empty());
+  EXPECT_EQ(model.request().hide_classes, (std::vector{7, 18}));
+  model.show_class(2, false);
+  EXPECT_EQ(model.request().hide_classes, (std::vector{2, 7, 18}));
+  EXPECT_TRUE(model.request().shows_class(6) && !model.request().shows_class(2));
+}
+
 // A file that is open is read again where it stands, and arms nothing for later.
 TEST_F(ViewModelTest, OpeningWhatIsOpenReadsItAgain) {
   const std::string file = write("here.las", 0, 50);

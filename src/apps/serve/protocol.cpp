@@ -7,7 +7,6 @@
 
 #include "core/error.h"
 #include "io/bounded_json.h"
-#include "view/light_hand.h"
 
 namespace sfumato::serve {
 namespace {
@@ -82,38 +81,6 @@ class Message {
   Json json_;
 };
 
-void drag(ViewModel& model, const Hand& hand, double dx, double dy) {
-  const int height = model.height();
-  if (hand.kind == Hand::Kind::light)
-    model.change("light", [&](ViewRequest& next) {
-      next.set("light", view::drag_light(next.settings(), model.camera(), model.navigator().up_axis(), dx, dy,
-                                         height));
-    });
-  else if (hand.kind != Hand::Kind::none)
-    model.move(hand.kind == Hand::Kind::rotate ? "rotate" : "pan", [&](view::Navigator& to) {
-      if (hand.kind == Hand::Kind::rotate)
-        to.rotate(dx, dy, height, hand.pivot);
-      else
-        to.pan(dx, dy, height, hand.pivot);
-    });
-}
-
-void show_class(ViewModel& model, int id, bool shown) {
-  model.change("classes", [&](ViewRequest& next) {
-    Selection& wanted = next.points.selection;
-    if (!wanted.show_classes.empty() && model.scene.loaded()) {
-      for (const ClassShare& each : model.scene.loaded()->classes)
-        if (std::find(wanted.show_classes.begin(), wanted.show_classes.end(), each.id) ==
-            wanted.show_classes.end())
-          next.hide_classes.push_back(each.id);
-      wanted.show_classes.clear();
-    }
-    std::erase(next.hide_classes, id);
-    if (!shown) next.hide_classes.push_back(id);
-    std::sort(next.hide_classes.begin(), next.hide_classes.end());
-  });
-}
-
 void set_color(ViewModel& model, const std::string& name, const std::string& value) {
   model.change(name, [&](ViewRequest& next) {
     if (name == "color_by") return next.show_source(value);
@@ -181,14 +148,13 @@ const std::map<std::string, Deed>& deeds() {
       {"grab",
        [](auto& model, auto& hand, auto& said, auto&) {
          const std::string kind = said.text("kind");
-         hand.kind = kind == "rotate"  ? Hand::Kind::rotate
-                     : kind == "light" ? Hand::Kind::light
-                                       : Hand::Kind::pan;
-         const double x = said.number("x"), y = said.number("y");
-         hand.pivot = hand.kind == Hand::Kind::rotate ? model.pivot_at(x, y) : model.place_at(x, y);
+         hand.drag = kind == "rotate"  ? view::Drag::rotate
+                     : kind == "light" ? view::Drag::light
+                                       : view::Drag::pan;
+         hand.grabbed = model.grab(hand.drag, said.number("x"), said.number("y"));
        }},
       {"drag", [](auto& model, auto& hand, auto& said,
-                  auto&) { drag(model, hand, said.number("dx"), said.number("dy")); }},
+                  auto&) { model.drag(hand.drag, hand.grabbed, said.number("dx"), said.number("dy")); }},
       {"zoom",
        [](auto& model, auto&, auto& said, auto&) {
          const dvec3 place = model.place_at(said.number("x"), said.number("y"));
@@ -244,7 +210,7 @@ const std::map<std::string, Deed>& deeds() {
          model.change("whole room", [on = said.flag("on")](ViewRequest& next) { next.whole = on; });
        }},
       {"class", [](auto& model, auto&, auto& said,
-                   auto&) { show_class(model, said.whole("id", 0, 255), said.flag("shown")); }},
+                   auto&) { model.show_class(said.whole("id", 0, 255), said.flag("shown")); }},
       {"clip",
        [](auto& model, auto&, auto& said, auto&) {
          const std::vector<double> box = said.numbers("box", 6);

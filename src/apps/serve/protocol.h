@@ -13,8 +13,8 @@ namespace sfumato::serve {
 
 /// The drag under way, and what else the last message was about.
 struct Hand {
-  enum class Kind { none, rotate, pan, light } kind = Kind::none;
-  dvec3 pivot{0};
+  view::Drag drag = view::Drag::none;
+  dvec3 grabbed{0};
   std::uint64_t confirmed = 0;  ///< the picture that the page has shown
   bool wants_command = false;
   bool pointed = false;          ///< the last message moved the pointer

@@ -15,14 +15,6 @@ using view::ViewRequest;
 
 Json json_of(const dvec3& v) { return Json::array({v.x, v.y, v.z}); }
 
-std::string resolved(const ViewModel& model, const view::Control& control) {
-  const auto& picture = model.picture();
-  if (control.is_auto && picture && picture->technique == model.request().technique)
-    for (const auto& [name, value] : picture->resolved)
-      if (name == control.name) return value;
-  return control.value;
-}
-
 Json control_json(const ViewModel& model, const view::Control& control) {
   const char* const kind = control.kind == ParamKind::boolean   ? "boolean"
                            : control.kind == ParamKind::integer ? "integer"
@@ -34,7 +26,7 @@ Json control_json(const ViewModel& model, const view::Control& control) {
             {"group", control.group},
             {"help", control.tooltip},
             {"kind", kind},
-            {"value", resolved(model, control)},
+            {"value", control.is_auto ? model.resolved(control.name).value_or(control.value) : control.value},
             {"default", control.default_value},
             {"changed", control.is_changed}};
   if (control.can_be_auto) json["auto"] = control.is_auto;
@@ -87,19 +79,14 @@ Json scene_json(const ViewModel& model) {
   const view::Loaded* scene = model.scene.loaded();
   if (!scene) return nullptr;
   const ViewRequest& request = model.request();
-  const Selection& selection = request.points.selection;
   Json classes = Json::array();
-  for (const ClassShare& each : scene->classes) {
-    const std::vector<int>& list =
-        selection.show_classes.empty() ? request.hide_classes : selection.show_classes;
-    const bool is_named = std::find(list.begin(), list.end(), each.id) != list.end();
+  for (const ClassShare& each : scene->classes)
     classes.push_back({{"id", each.id},
                        {"name", class_name(each.id)},
                        {"color", hex_of(model.picture() ? model.picture()->coloring.color_of_class(each.id)
                                                         : class_color(each.id))},
                        {"points", each.points},
-                       {"shown", selection.show_classes.empty() ? !is_named : is_named}});
-  }
+                       {"shown", request.shows_class(each.id)}});
   return {{"formats", scene->formats},
           {"points_read", scene->points_read},
           {"points_shown", scene->points_shown},

@@ -147,9 +147,6 @@ void Viewer::send_picture(double now_ms) {
     publish::PackedDepth depth;
   };
   auto encoded = std::make_shared<Encoded>();
-  const view::Loaded* scene = model_->scene.loaded();
-  const UpAxis up = scene ? scene->pose.upright.up : UpAxis::pos_z;
-  const std::string crs = scene ? scene->crs : "";
   const bool draws_furniture = !furniture.empty() && picture->image.width() == model_->width() &&
                                picture->image.height() == model_->height();
   const int quality = is_final ? Pace::most_quality : pace_.quality(), shrink = exact ? 1 : pace_.shrink();
@@ -161,7 +158,8 @@ void Viewer::send_picture(double now_ms) {
               {"heard", heard_},
               {"background", hex_of(to_rgba8(picture->background))}};
   outside_.in_background(
-      [encoded, picture, draws_furniture, furniture = furniture, up, crs, exact, quality, shrink] {
+      [encoded, picture, draws_furniture, furniture = furniture, up = model_->scene.up(),
+       crs = model_->scene.crs(), exact, quality, shrink] {
         Image<Rgba8> image = smaller(picture->image, shrink);
         if (draws_furniture && shrink == 1) draw_furniture(image, *picture, furniture, up, crs);
         if (!picture->depth.empty()) encoded->depth = publish::packed(picture->depth);

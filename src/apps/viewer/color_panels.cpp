@@ -171,31 +171,15 @@ void Interface::class_panel() {
   const view::Loaded* scene = model_.scene.loaded();
   if (!scene || scene->classes.empty() || !heading("Classes", false)) return;
   const view::ViewRequest& request = model_.request();
-  const Selection& selection = request.points.selection;
-  const auto hidden = [&](int id) {
-    const auto in = [&](const std::vector<int>& all) {
-      return std::find(all.begin(), all.end(), id) != all.end();
-    };
-    return selection.show_classes.empty() ? in(request.hide_classes) : !in(selection.show_classes);
-  };
   const auto hide = [&](const std::vector<int>& classes) {
     model_.change("classes", [&](view::ViewRequest& next) {
       next.points.selection.show_classes.clear();
       next.hide_classes = classes;
     });
   };
-  std::vector<int> now;
-  // Noise that this scan lacks stays hidden by default, so that the command stays short.
-  for (int id : request.hide_classes)
-    if (std::none_of(scene->classes.begin(), scene->classes.end(),
-                     [&](const ClassShare& c) { return c.id == id; }))
-      now.push_back(id);
-  for (const ClassShare& each : scene->classes)
-    if (hidden(each.id)) now.push_back(each.id);
-  std::sort(now.begin(), now.end());
   for (const ClassShare& each : scene->classes) {
     ImGui::PushID(each.id);
-    bool shown = !hidden(each.id);
+    bool shown = request.shows_class(each.id);
     const Rgba8 c = picture() ? picture()->coloring.color_of_class(each.id) : class_color(each.id);
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float side = ImGui::GetFrameHeight();
@@ -204,13 +188,8 @@ void Interface::class_panel() {
         ImGui::GetColorU32(ImVec4(unit(c.r), unit(c.g), unit(c.b), 1)), 2);
     ImGui::Dummy({0.6f * side, side});
     ImGui::SameLine();
-    if (ImGui::Checkbox(fmt::format("{} {}", each.id, class_name(each.id)).c_str(), &shown)) {
-      std::vector<int> wanted = now;
-      std::erase(wanted, each.id);
-      if (!shown) wanted.push_back(each.id);
-      std::sort(wanted.begin(), wanted.end());
-      hide(wanted);
-    }
+    if (ImGui::Checkbox(fmt::format("{} {}", each.id, class_name(each.id)).c_str(), &shown))
+      model_.show_class(each.id, shown);
     ImGui::SameLine();
     if (each.points > 0) {
       ImGui::TextDisabled("%s", thousands(each.points).c_str());

@@ -90,7 +90,7 @@ class Interface {
   std::vector<std::future<view::Message>> writers_;
   std::string search_, preset_name_, path_name_, screenshot_size_;
   bool panels_ = true, help_ = false, clip_ = false;
-  enum class Drag { none, rotate, pan, light } drag_ = Drag::none;
+  view::Drag drag_ = view::Drag::none;
   dvec3 pivot_{0};
   int slice_axis_ = 2;
   float corridor_ = 0;                             ///< width, scene units; 0: not chosen yet

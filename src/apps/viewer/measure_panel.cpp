@@ -31,10 +31,9 @@ Image<Rgba8> picture_of(const view::Profile& profile, const std::string& unit, i
 
 void Interface::measure_panel() {
   if (!heading("Measure", false)) return;
-  const view::Loaded* scene = model_.scene.loaded();
   const auto& picked = model_.picks.points();
   const double size = model_.navigator().scene_size();
-  const std::string unit = view::unit_of(scene ? scene->crs : "");
+  const std::string unit = view::unit_of(model_.scene.crs());
   if (picked.empty()) note("click two points: distance and height; Ctrl+click goes on, as a line");
   double length = 0;
   for (std::size_t i = 1; i < picked.size(); ++i)
@@ -73,7 +72,7 @@ void Interface::draw_profile(float width, float height) {
   ImGui::Begin("Profile", &open,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoScrollbar);
-  const std::string unit = view::unit_of(model_.scene.loaded() ? model_.scene.loaded()->crs : "");
+  const std::string unit = view::unit_of(model_.scene.crs());
   const auto save = [&](const char* extension, const auto& write) {
     const std::string name = free_name("profile", extension);
     try {

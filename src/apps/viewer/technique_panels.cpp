@@ -17,10 +17,7 @@ bool Interface::heading(const char* title, bool open) {
 std::string Interface::resolved(const std::string& parameter) const {
   const Param* param = look_ ? look_->parameters.find(parameter) : nullptr;
   if (!param) return "";
-  if (param->get() == "auto" && picture() && picture()->technique == look_->name)
-    for (const auto& [name, value] : picture()->resolved)
-      if (name == param->name) return value;
-  return param->get();
+  return param->get() == "auto" ? model_.resolved(param->name).value_or("auto") : param->get();
 }
 
 void Interface::set(const std::string& parameter, const std::string& value) {

@@ -11,6 +11,9 @@
 #include "view/light_hand.h"
 
 namespace sfumato::viewer {
+
+using view::Drag;
+
 namespace {
 
 constexpr int flying_keys[] = {'W', 'S', 'A', 'D', 'E', 'Q'};
@@ -36,9 +39,7 @@ void Interface::show_picture() {
   const bool exact = picture->image.width() == model_.width() && picture->image.height() == model_.height();
   if (furniture.empty() || !exact) return window_.upload(picture->image, exact);
   Image<Rgba8> explained = picture->image;
-  const view::Loaded* scene = model_.scene.loaded();
-  draw_furniture(explained, *picture, furniture, scene ? scene->pose.upright.up : UpAxis::pos_z,
-                 scene ? scene->crs : "");
+  draw_furniture(explained, *picture, furniture, model_.scene.up(), model_.scene.crs());
   window_.upload(explained, exact);
 }
 
@@ -81,7 +82,6 @@ void Interface::draw_view(double now_ms, float width, float height) {
 void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
   const ImGuiIO& io = ImGui::GetIO();
   const double x = double(io.MousePos.x * sx), y = double(io.MousePos.y * sy);
-  const int height = model_.height();
   if (!model_.picture()) return;
   bool began = false;  // the way to where the button went down is no drag
   const auto clicked = [&](ImGuiMouseButton button) { return hovered && ImGui::IsMouseClicked(button); };
@@ -91,7 +91,7 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
     drag_ = left && io.KeyShift && io.KeyCtrl ? Drag::light : left && !io.KeyShift ? Drag::rotate : Drag::pan;
     drag_px_ = 0;
     began = true;
-    pivot_ = drag_ == Drag::rotate ? model_.pivot_at(x, y) : model_.place_at(x, y);
+    pivot_ = model_.grab(drag_, x, y);
     swallow_click_ = false;
     if (drag_ == Drag::rotate && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
       swallow_click_ = true;
@@ -103,19 +103,7 @@ void Interface::navigate(double now_ms, float sx, float sy, bool hovered) {
     const double dx = began ? 0 : double(io.MouseDelta.x * sx), dy = began ? 0 : double(io.MouseDelta.y * sy);
     drag_px_ += std::abs(dx) + std::abs(dy);
     // A click trembles by a pixel or two and moves nothing.
-    if ((dx != 0 || dy != 0) && drag_px_ > 3 && drag_ == Drag::light) {
-      model_.change("light", [&](view::ViewRequest& next) {
-        next.set("light", view::drag_light(next.settings(), model_.camera(), model_.navigator().up_axis(), dx,
-                                           dy, height));
-      });
-    } else if ((dx != 0 || dy != 0) && drag_px_ > 3) {
-      model_.move(drag_ == Drag::rotate ? "rotate" : "pan", [&](view::Navigator& hand) {
-        if (drag_ == Drag::rotate)
-          hand.rotate(dx, dy, height, pivot_);
-        else
-          hand.pan(dx, dy, height, pivot_);
-      });
-    }
+    if ((dx != 0 || dy != 0) && drag_px_ > 3) model_.drag(drag_, pivot_, dx, dy);
     if (!io.MouseDown[0] && !io.MouseDown[1] && !io.MouseDown[2]) {
       if (drag_ == Drag::rotate && drag_px_ <= 3 && !swallow_click_) model_.pick(x, y, io.KeyCtrl);
       drag_ = Drag::none;
@@ -167,7 +155,7 @@ void Interface::draw_marks(float sx, float sy) {
       list->AddLine(a, b, accent, 1.5f);
       const view::Measure m =
           view::measure(picked[i - 1].world, picked[i].world, model_.navigator().up_axis());
-      const std::string unit = view::unit_of(model_.scene.loaded() ? model_.scene.loaded()->crs : "");
+      const std::string unit = view::unit_of(model_.scene.crs());
       const double size = model_.navigator().scene_size();
       if (picked.size() <= 12)
         label(list, {0.5f * (a.x + b.x) + 3 * r, 0.5f * (a.y + b.y)},
@@ -189,7 +177,7 @@ void Interface::draw_marks(float sx, float sy) {
   for (const auto& [name, value] : last.attributes) text += "\n" + name + "  " + value;
   if (picked.size() == 2) {
     const view::Measure m = view::measure(picked[0].world, last.world, model_.navigator().up_axis());
-    const std::string unit = view::unit_of(model_.scene.loaded() ? model_.scene.loaded()->crs : "");
+    const std::string unit = view::unit_of(model_.scene.crs());
     text += fmt::format("\ndistance {} {}\nheight {} {}\nhorizontal {} {}",
                         view::coordinate_text(m.distance, size), unit, view::coordinate_text(m.height, size),
                         unit, view::coordinate_text(m.horizontal, size), unit);
