@@ -6,6 +6,13 @@
 
 namespace sfumato {
 
+/// "12 345 678".
+inline std::string thousands(std::uint64_t count) {
+  std::string text = std::to_string(count);
+  for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), 1, ' ');
+  return text;
+}
+
 /// `noun` is regular: its plural ends in s.
 inline std::string counted(std::uint64_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");

@@ -61,17 +61,13 @@ void refuse_unknown_command(const std::string& word) {
                 "there is no command '" + word +
                     "': a window needs none, sfumato FILE...; sfumato FILE... -o OUT.png writes a picture");
   std::vector<std::string> names;
-  std::string all;
-  for (const Command& command : all_commands()) {
-    if (command.hidden) continue;
-    names.push_back(command.name);
-    all += (all.empty() ? "" : ", ") + command.name;
-  }
+  for (const Command& command : all_commands())
+    if (!command.hidden) names.push_back(command.name);
   const std::string near = nearest_word(word, names);
-  throw Error(ErrorCode::usage,
-              "'" + word + "' is neither a file here nor a command" +
-                  (near.empty() ? "; the commands are " + all : "; did you mean " + near + "?") +
-                  " (sfumato help)");
+  throw Error(ErrorCode::usage, "'" + word + "' is neither a file here nor a command" +
+                                    (near.empty() ? "; the commands are " + join(names, ", ")
+                                                  : "; did you mean " + near + "?") +
+                                    " (sfumato help)");
 }
 
 }  // namespace sfumato::cli

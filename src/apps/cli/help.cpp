@@ -182,12 +182,10 @@ int help_command(const Words& words) {
   }
   for (const Command& command : all_commands())
     if (!command.hidden) names.push_back(command.name);
-  std::string all;
-  for (const std::string& each : names) all += (all.empty() ? "" : ", ") + each;
   const std::string near = nearest_word(name, names);
   throw Error(ErrorCode::usage, "there is no help on '" + name + "'" +
                                     (near.empty() ? "" : "; did you mean " + near + "?") + " There is on " +
-                                    all);
+                                    join(names, ", "));
 }
 
 }  // namespace sfumato::cli

@@ -12,6 +12,7 @@
 #include "console.h"
 #include "copc/tree.h"
 #include "core/classes.h"
+#include "core/counted.h"
 #include "core/units.h"
 #include "help_text.h"
 #include "input_options.h"
@@ -30,12 +31,6 @@ std::string statistic(double value) {
   if (std::abs(value) < 1e10) return fmt::format("{:.10g}", value);
   return std::abs(value) < largest_whole ? fmt::format("{:.{}f}", value, value == std::floor(value) ? 0 : 3)
                                          : fmt::format("{:.17g}", value);
-}
-
-std::string count(std::uint64_t value) {
-  std::string text = std::to_string(value);
-  for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), 1, ' ');
-  return text;
 }
 
 /// WKT broken at its commas between brackets, two levels deep.
@@ -83,7 +78,7 @@ std::string info_text(const io::ReadReport& r, std::optional<double> spacing,
           ? fmt::format("{:.4g} points/{}2", 1 / (*spacing * *spacing), horizontal_unit(r.crs).symbol)
           : "-");
   for (const ClassShare& each : classes)
-    text += fmt::format("  class {:<6}{:>12}  {}\n", each.id, count(each.points), class_name(each.id));
+    text += fmt::format("  class {:<6}{:>12}  {}\n", each.id, thousands(each.points), class_name(each.id));
   text += fmt::format("{:<24}{:>16}{:>16}{:>16}\n", "attributes", "min", "max", "mean");
   for (const io::AttributeStats& a : r.attributes)
     text += fmt::format("  {:<22} {:>15} {:>15} {:>15}\n", a.name, statistic(a.min), statistic(a.max),
@@ -93,7 +88,7 @@ std::string info_text(const io::ReadReport& r, std::optional<double> spacing,
 
 std::string table_row(const io::ReadReport& r, std::optional<double> spacing) {
   const dvec3 size = r.bounds_max - r.bounds_min;
-  return fmt::format("{:<10}{:>14}  {:<30}{:>12}  {}\n", r.format, count(r.points),
+  return fmt::format("{:<10}{:>14}  {:<30}{:>12}  {}\n", r.format, thousands(r.points),
                      r.points_finite ? fmt::format("{:.5g} x {:.5g} x {:.5g}", size.x, size.y, size.z) : "-",
                      r.points_finite && spacing ? fmt::format("{:.4g}", *spacing) : "-", r.file.string());
 }
@@ -106,10 +101,9 @@ std::string tree_text(const copc::Tree& tree) {
   for (const copc::LevelFacts& level : levels_of(tree))
     text +=
         fmt::format("  {:<6}{:>10}{:>16}{:>16.6g}\n", level.level, level.nodes, level.points, level.spacing);
-  std::string names;
-  for (const std::string& name : tree.attributes) names += (names.empty() ? "" : " ") + name;
-  return text + fmt::format("{:<16}{}\n", "attributes",
-                            wrap(names + " (--stats reads their values)", terminal_width(), 16));
+  return text +
+         fmt::format("{:<16}{}\n", "attributes",
+                     wrap(join(tree.attributes) + " (--stats reads their values)", terminal_width(), 16));
 }
 
 }  // namespace

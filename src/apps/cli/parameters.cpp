@@ -82,7 +82,7 @@ void declare_parameter(CommandLine& line, const Param& param, const std::string&
 std::string describe_values(const Param& param) {
   std::string text;
   if (param.kind == ParamKind::choice) {
-    for (const std::string& choice : param.choices) text += (text.empty() ? "" : "|") + choice;
+    text = join(param.choices, "|");
   } else {
     text = kind_name(param.kind);
     std::transform(text.begin(), text.end(), text.begin(),

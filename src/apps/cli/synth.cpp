@@ -37,11 +37,7 @@ void make_folder(const std::string& folder) {
                                    "); name one that can be written to");
 }
 
-std::string scene_list() {
-  std::string text;
-  for (const std::string& name : synth::scene_names()) text += (text.empty() ? "" : ", ") + name;
-  return text + ", mesh";
-}
+std::string scene_list() { return join(synth::scene_names(), ", ") + ", mesh"; }
 
 }  // namespace
 

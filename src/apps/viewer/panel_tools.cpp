@@ -46,12 +46,6 @@ bool edit_text(const char* label, const char* hint, std::string& value) {
   return true;
 }
 
-std::string thousands(std::size_t n) {
-  std::string text = std::to_string(n);
-  for (int at = int(text.size()) - 3; at > 0; at -= 3) text.insert(std::size_t(at), 1, ' ');
-  return text;
-}
-
 ImU32 paint(int rgb, float alpha) {
   return ImGui::GetColorU32(
       ImVec4(float(rgb >> 16 & 255) / 255, float(rgb >> 8 & 255) / 255, float(rgb & 255) / 255, alpha));

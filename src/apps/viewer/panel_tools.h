@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/counted.h"
+
 namespace sfumato::viewer {
 
 /// For the item before it.
@@ -23,8 +25,6 @@ ImU32 paint(int rgb, float alpha = 1);
 void label(ImDrawList* list, ImVec2 at, const std::string& text, bool error = false);
 /// A field of text: true when somebody typed another one and left it, by Enter, Tab or a click elsewhere.
 bool edit_text(const char* label, const char* hint, std::string& value);
-/// "12 345 678".
-std::string thousands(std::size_t n);
 inline float unit(std::uint8_t v) { return float(v) / 255; }
 
 }  // namespace sfumato::viewer
