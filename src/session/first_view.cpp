@@ -290,28 +290,31 @@ std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, doub
   return cameras;
 }
 
-std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
-  auto key = [&](std::ptrdiff_t i) -> const Camera& {
+Camera interpolated(const std::vector<Camera>& keys, double place) {
+  const auto key = [&](std::ptrdiff_t i) -> const Camera& {
     return keys[std::size_t(std::clamp<std::ptrdiff_t>(i, 0, std::ptrdiff_t(keys.size()) - 1))];
   };
+  const std::ptrdiff_t k =
+      std::min(std::ptrdiff_t(place), std::max<std::ptrdiff_t>(0, std::ptrdiff_t(keys.size()) - 2));
+  const double t = place - double(k);
+  const auto blend = [&](const auto& a, const auto& b, const auto& c, const auto& d) {
+    return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) +
+                  t * t * t * (3.0 * b - a - 3.0 * c + d));
+  };
+  Camera camera = key(k);
+  camera.position = blend(key(k - 1).position, key(k).position, key(k + 1).position, key(k + 2).position);
+  camera.target = blend(key(k - 1).target, key(k).target, key(k + 1).target, key(k + 2).target);
+  camera.up = glm::normalize(glm::mix(key(k).up, key(k + 1).up, t));
+  camera.fov_y = glm::mix(key(k).fov_y, key(k + 1).fov_y, t);
+  camera.height_world = glm::mix(key(k).height_world, key(k + 1).height_world, t);
+  return camera;
+}
+
+std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames) {
   std::vector<Camera> cameras;
-  for (int i = 0; i < frames; ++i) {
-    const double place = frames == 1 ? 0 : double(i) / (frames - 1) * double(keys.size() - 1);
-    const std::ptrdiff_t k =
-        std::min(std::ptrdiff_t(place), std::max<std::ptrdiff_t>(0, std::ptrdiff_t(keys.size()) - 2));
-    const double t = place - double(k);
-    auto blend = [&](const auto& a, const auto& b, const auto& c, const auto& d) {
-      return 0.5 * (2.0 * b + t * (c - a) + t * t * (2.0 * a - 5.0 * b + 4.0 * c - d) +
-                    t * t * t * (3.0 * b - a - 3.0 * c + d));
-    };
-    Camera camera = key(k);
-    camera.position = blend(key(k - 1).position, key(k).position, key(k + 1).position, key(k + 2).position);
-    camera.target = blend(key(k - 1).target, key(k).target, key(k + 1).target, key(k + 2).target);
-    camera.up = glm::normalize(glm::mix(key(k).up, key(k + 1).up, t));
-    camera.fov_y = glm::mix(key(k).fov_y, key(k + 1).fov_y, t);
-    camera.height_world = glm::mix(key(k).height_world, key(k + 1).height_world, t);
-    cameras.push_back(camera);
-  }
+  for (int i = 0; i < frames; ++i)
+    cameras.push_back(
+        interpolated(keys, frames == 1 ? 0 : double(i) / (frames - 1) * double(keys.size() - 1)));
   return cameras;
 }
 

@@ -100,5 +100,7 @@ void make_orthographic(Camera& camera);
 std::vector<Camera> orbit(const Camera& start, const dvec3& up, int frames, double degrees);
 /// A smooth path through the key cameras (Catmull-Rom on positions, targets, angles), first to last key.
 std::vector<Camera> interpolate(const std::vector<Camera>& keys, int frames);
+/// One camera of that path: `place` is 0 at the first key, 1 at the second.
+Camera interpolated(const std::vector<Camera>& keys, double place);
 
 }  // namespace sfumato

@@ -1,7 +1,6 @@
 #include "view/key_frames.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "io/atomic_writer.h"
@@ -26,23 +25,11 @@ void KeyFrames::move(std::size_t from, std::size_t to) {
 
 ViewCamera KeyFrames::at(double seconds) const {
   if (keys_.size() < 2) return keys_.front();
-  // `interpolate` takes a number of frames; the share of the way is one of so many that none is missed on a
-  // screen.
-  constexpr int steps = 4096;
-  const double share = std::clamp(seconds / duration_s(), 0.0, 1.0);
-  const double place = share * double(keys_.size() - 1);
-  const std::size_t k = std::min(std::size_t(place), keys_.size() - 2);
-  // Only the four keys around decide; the ends of the path are repeated, as `interpolate` does.
-  std::vector<Camera> around;
-  for (int i = -1; i <= 2; ++i) {
-    const std::ptrdiff_t j =
-        std::clamp<std::ptrdiff_t>(std::ptrdiff_t(k) + i, 0, std::ptrdiff_t(keys_.size()) - 1);
-    around.push_back(keys_[std::size_t(j)].to_camera(1280, 720));
-  }
-  const std::vector<Camera> fine = interpolate(around, 3 * steps + 1);
-  const int step = int(std::lround((place - double(k)) * steps));
-  ViewCamera camera = ViewCamera::from(fine[std::size_t(steps + step)]);
-  camera.orthographic = keys_[k].orthographic;
+  const double place = std::clamp(seconds / duration_s(), 0.0, 1.0) * double(keys_.size() - 1);
+  std::vector<Camera> cameras;
+  for (const ViewCamera& key : keys_) cameras.push_back(key.to_camera(1280, 720));
+  ViewCamera camera = ViewCamera::from(interpolated(cameras, place));
+  camera.orthographic = keys_[std::min(std::size_t(place), keys_.size() - 2)].orthographic;
   return camera;
 }
 
