@@ -271,6 +271,30 @@ bool are_of_photographs(const std::vector<Rgba8>& colors) {
   return false;
 }
 
+/// Photographs fade towards black: where more is black than in all of the 219 colours next to it, it is what
+/// tools write for points that no photograph shows.
+bool is_black_none(const std::vector<Rgba8>& colors) {
+  constexpr int next = 9;                         // sum of the channels
+  constexpr std::size_t seen = 500, chance = 16;  // one in so many; points
+  std::size_t black = 0, nearly = 0;
+  for (const Rgba8& c : colors) {
+    const int sum = c.r + c.g + c.b;
+    black += sum == 0, nearly += sum > 0 && sum <= next;
+  }
+  return black > nearly && black >= chance && seen * black > colors.size();
+}
+
+Rgba8 median_but_black(const std::vector<Rgba8>& colors) {
+  Rgba8 median{0, 0, 0, 255};
+  for (const auto channel : {&Rgba8::r, &Rgba8::g, &Rgba8::b}) {
+    std::vector<std::uint8_t> values;
+    for (const Rgba8& c : colors)
+      if (c != no_color && (c.r | c.g | c.b) != 0) values.push_back(c.*channel);
+    if (!values.empty()) median.*channel = value_at_share(values, 0.5);
+  }
+  return median;
+}
+
 /// m becomes e m / (1 + (e - 1) m): e times as much near black, 1 stays 1.
 void expose(std::vector<Rgba8>& colors, double exposure) {
   std::array<std::array<std::uint8_t, 256>, 256> raised;  // of each strongest channel, each channel
@@ -334,6 +358,14 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   if (out.source == "rgb") {
     out.colors = cloud.colors;
     out.is_photographed = are_of_photographs(out.colors);
+    if (settings.for_black) {
+      out.for_black = *settings.for_black;
+    } else if (out.is_photographed && is_black_none(out.colors)) {
+      out.for_black = median_but_black(out.colors);
+      out.notes.push_back("points that are 0 0 0, as no photograph shows them, have the median colour");
+    }
+    for (Rgba8& c : out.colors)
+      if ((c.r | c.g | c.b) == 0) c = out.for_black;
     out.exposure = settings.exposure.value_or(out.is_photographed ? automatic_exposure(out.colors) : 1);
     for (Rgba8& c : out.colors) c.a = 255;
     if (out.exposure != 1) expose(out.colors, out.exposure);

@@ -27,6 +27,7 @@ struct ColorSettings {
   std::optional<std::array<double, 2>> shade;  ///< of A*SCALAR: black and full; empty: as `range`
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
+  std::optional<Rgba8> for_black;       ///< in what the file's own black is drawn; empty: by its colours
   std::map<int, Rgba8> class_colors;    ///< of classification codes, in place of `class_color`
   std::vector<std::string> file_names;  ///< what the numbers of the scalar `file` stand for, from 1
   bool operator==(const ColorSettings&) const = default;
@@ -55,6 +56,7 @@ struct Coloring {
   std::vector<Swatch> swatches;                ///< classes and files: what the legend lists, in its order
   bool is_photographed = false;                ///< rgb only: more than 64 colours, which nobody chose
   double exposure = 1;             ///< rgb only: how many times as bright the darkest of them became
+  Rgba8 for_black{0, 0, 0, 255};   ///< rgb only: what black became before
   std::vector<std::string> notes;  ///< settings that have no effect on these colours
 
   /// Scalar only: from `low` to `high`.
@@ -73,7 +75,8 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 /// `normal` needs normals: Error(usage) without. "rgb*intensity" is the first darkened by the second, as
 /// layers are multiplied. Photographed colours whose lightest tenth is dark, as of a dim room, are raised:
 /// the dark ones by `exposure`, in linear light, the lighter the less, so that hues stay and white stays
-/// white. Categories and scalars never are.
+/// white. Categories and scalars never are. Black of points that no photograph shows becomes the median
+/// colour.
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 
 /// Numbers that tell things apart instead of measuring them, by their name, and are few: a ramp between

@@ -87,7 +87,8 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
   if (settings.color_by == "auto") resolved.color_by = of_all->source;
   if (of_all->kind == ColorKind::scalar)
     resolved.range = {of_all->low, of_all->high}, resolved.places = of_all->places;
-  if (of_all->kind == ColorKind::rgb) resolved.exposure = of_all->exposure;
+  if (of_all->kind == ColorKind::rgb)
+    resolved.exposure = of_all->exposure, resolved.for_black = of_all->for_black;
   resolved.shade = of_all->shade;
   try {
     Coloring coloring = color_points(cloud, resolved);

@@ -463,6 +463,31 @@ TEST(Coloring, DarkPhotographsAreRaisedAndOtherColoursAreKept) {
   EXPECT_TRUE(color_points(cloud, {"rgb"}).notes.empty());
 }
 
+// Of a photograph that fades to black all is kept; of one without dark colours black is none.
+TEST(Coloring, BlackOfPointsThatNoPhotographShowsIsDrawnInTheMedianColour) {
+  constexpr int count = 4000;
+  PointCloud cloud = ramp(count);
+  for (int i = 0; i < count; ++i)
+    cloud.colors.push_back({std::uint8_t(40 + i % 200), std::uint8_t(60 + i % 100), 90, 255});
+  const std::vector<Rgba8> plain = color_points(cloud, {"rgb"}).colors;
+  for (int i = 0; i < count; i += 20) cloud.colors[std::size_t(i)] = {0, 0, 0, 255};
+  const Coloring coloring = color_points(cloud, {"rgb"});
+  EXPECT_EQ(coloring.notes.size(), 1u);
+  EXPECT_NEAR(coloring.for_black.r, 140, 2);
+  EXPECT_NEAR(coloring.for_black.g, 110, 2);
+  EXPECT_EQ(coloring.for_black.b, 90);
+  for (int i = 1; i < 20; ++i) EXPECT_EQ(coloring.colors[std::size_t(i)], plain[std::size_t(i)]);
+  EXPECT_EQ(coloring.colors[0], coloring.colors[20]);
+  EXPECT_GT(coloring.colors[0].r, 100);
+  // Of a part without any as of the whole that has some, and the other way round.
+  ColorSettings settings{"rgb"};
+  settings.for_black = Rgba8{0, 0, 0, 255};
+  EXPECT_EQ(color_points(cloud, settings).colors[0].r, 0);
+  for (int i = 0; i < count; i += 10)
+    if (i % 20 != 0) cloud.colors[std::size_t(i)] = {std::uint8_t(i % 4), std::uint8_t(i % 3), 1, 255};
+  EXPECT_EQ(color_points(cloud, {"rgb"}).colors[0].r, 0) << "dark photographs";
+}
+
 TEST(Coloring, HeightsAreSpreadByTheNumberOfPoints) {
   // 900 points on level ground below 2, of 1000 up to 10.
   PointCloud cloud;
