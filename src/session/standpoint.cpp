@@ -309,8 +309,8 @@ std::optional<Sensor> sensor_of(const PointCloud& cloud, const Subject& subject)
   for (int step = 0; step < 3; ++step) {  // to the middle of what appears
     const auto [low, high] = slopes_of(subject, sensor.place, sensor.along, up, beyond_picture);
     const dvec3 right = glm::normalize(glm::cross(sensor.along, up));
-    sensor.along += 0.5 * ((low.x + high.x) * right + (low.y + high.y) * glm::cross(right, sensor.along));
-    sensor.along = glm::normalize(sensor.along);
+    const glm::dvec2 turn = glm::tan(0.5 * (glm::atan(low) + glm::atan(high)));
+    sensor.along = glm::normalize(sensor.along + turn.x * right + turn.y * glm::cross(right, sensor.along));
   }
   return sensor;
 }

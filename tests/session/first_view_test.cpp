@@ -509,6 +509,26 @@ TEST(FirstView, DepthPicturesAreSeenFromTheirSensor) {
   }
 }
 
+// However far a little of it is to one side: rays at 53 degrees from the axis are 80 from those opposite.
+TEST(FirstView, AWideReconstructionIsInTheMiddleOfItsPicture) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  scene::Scene scene;
+  for (int i = 0; i < 20'000; ++i) {
+    const double aside = -0.5 + 1.2 * unit(random), depth = 3 + 2 * unit(random);
+    const double down = unit(random) < 0.97 ? -0.6 + 1.3 * unit(random) : -1.33 + 0.73 * unit(random);
+    scene.cloud.positions.push_back(vec3(depth * dvec3(aside, down, 1)));
+  }
+  scene.cloud.colors.assign(scene.cloud.size(), Rgba8{90, 120, 60, 255});
+  const Pose pose = stand_upright(scene, UpAxis::neg_y);
+  const Camera camera = first_view(pose, 1280, 720);
+  ASSERT_LT(glm::length(camera.position), 1e-9);
+  const auto [low, high] = extent(pose.subject.points, camera);
+  EXPECT_NEAR(low.y, -high.y, 0.05);
+  EXPECT_NEAR(high.y, 0.92, 0.05);
+  EXPECT_NEAR(low.x, -high.x, 0.05);
+}
+
 // Of what one station sees, ground and a wall, the top of a stem before them has fewer points than one in a
 // hundred.
 TEST(FirstView, ASensorsPictureHoldsThinTops) {
