@@ -588,6 +588,11 @@ TEST_F(RenderTest, NothingIsLeftBehindOnErrors) {
   EXPECT_EQ(run({"cube.ply", "-o", "missing/a.png", "--resolution", "32x32"}).code, 6);
   EXPECT_EQ(run({"cube.ply", "-o", "/proc/a.png", "--resolution", "32x32"}).code, 6);
   EXPECT_EQ(run({"cube.ply", "-o", "a.png", "--resolution", "70000x32"}).code, 1);
+  // Wider than its format holds, which is seen only when the picture is there.
+  EXPECT_EQ(
+      run({"cube.ply", "-o", "a.webp", "--output-depth", "d.npy", "--resolution", "16400x16", "-t", "points"})
+          .code,
+      1);
   EXPECT_EQ(files(), std::vector<std::string>{"cube.ply"});
 }
 

@@ -157,13 +157,17 @@ struct PictureWriter::Rows {
   std::optional<io::ExrRows> exr, depth_exr;
   std::optional<io::NpyRows> npy, depth_npy, index_npy, normal_npy;
   std::string whole_name, depth_name, camera_name;
+  std::vector<std::string> names;  ///< of all
   Image<Rgba8> whole;
   Image<float> depth;
 };
 
 void PictureWriter::open(Rows& rows, const Camera& camera, int width, int height, int n) {
+  const auto name_of = [&](const std::string& pattern) {
+    return rows.names.emplace_back(file_name(pattern, options_.parts(n)));
+  };
   if (!options_.output.empty() && !is_video(options_.output)) {
-    const std::string name = name_of(options_.output, n), extension = extension_of(name);
+    const std::string name = name_of(options_.output), extension = extension_of(name);
     if (extension == ".exr")
       rows.exr.emplace(name, width, height, true, true, true, command_);
     else if (extension == ".npy")
@@ -177,7 +181,7 @@ void PictureWriter::open(Rows& rows, const Camera& camera, int width, int height
       rows.png.emplace(name, width, height, options_.no_background, texts_of(camera), options_.dpi());
   }
   if (!options_.output_depth.empty()) {
-    const std::string name = name_of(options_.output_depth, n), extension = extension_of(name);
+    const std::string name = name_of(options_.output_depth), extension = extension_of(name);
     if (extension == ".exr")
       rows.depth_exr.emplace(name, width, height, false, true, false, command_);
     else if (extension == ".png")
@@ -186,10 +190,10 @@ void PictureWriter::open(Rows& rows, const Camera& camera, int width, int height
       rows.depth_npy.emplace(name, width, height, 1);
   }
   if (!options_.output_index.empty())
-    rows.index_npy.emplace(name_of(options_.output_index, n), width, height, 0);
+    rows.index_npy.emplace(name_of(options_.output_index), width, height, 0);
   if (!options_.output_normal.empty())
-    rows.normal_npy.emplace(name_of(options_.output_normal, n), width, height, 3);
-  if (!options_.output_camera.empty()) rows.camera_name = name_of(options_.output_camera, n);
+    rows.normal_npy.emplace(name_of(options_.output_normal), width, height, 3);
+  if (!options_.output_camera.empty()) rows.camera_name = name_of(options_.output_camera);
 }
 
 namespace {
@@ -219,19 +223,21 @@ void PictureWriter::add(Rows& rows, RenderOutput& strip, int first_row, const Ca
 }
 
 void PictureWriter::close(Rows& rows, const Camera& camera) {
+  // What only now meets its file goes first: where that fails, nothing else is there either.
   const int quality = options_.quality.value_or(90);
+  if (extension_of(rows.whole_name) == ".webp")
+    io::write_webp(rows.whole_name, rows.whole, options_.no_background, quality);
+  else if (!rows.whole_name.empty())
+    io::write_jpeg(rows.whole_name, rows.whole, quality, options_.dpi());
+  if (!rows.depth.empty()) write_depth_png(rows.depth_name, rows.depth);
   if (rows.png) rows.png->finish();
   if (rows.tiff) rows.tiff->finish();
   for (auto* exr : {&rows.exr, &rows.depth_exr})
     if (*exr) (*exr)->finish();
   for (auto* npy : {&rows.npy, &rows.depth_npy, &rows.index_npy, &rows.normal_npy})
     if (*npy) (*npy)->finish();
-  if (extension_of(rows.whole_name) == ".webp")
-    io::write_webp(rows.whole_name, rows.whole, options_.no_background, quality);
-  else if (!rows.whole_name.empty())
-    io::write_jpeg(rows.whole_name, rows.whole, quality, options_.dpi());
-  if (!rows.depth.empty()) write_depth_png(rows.depth_name, rows.depth);
   if (!rows.camera_name.empty()) io::write_camera(rows.camera_name, camera);
+  report_.outputs.insert(report_.outputs.end(), rows.names.begin(), rows.names.end());
   if (!world_) return;
   io::write_world_file(world_->first, world_->second);
   report_.outputs.push_back(world_->first.string());
@@ -273,22 +279,17 @@ bool PictureWriter::is_blank(const Image<Rgba8>& image, const Rgba8& corner) con
   return std::all_of(image.begin(), image.end(), [&](const Rgba8& c) { return c == corner; });
 }
 
-std::string PictureWriter::name_of(const std::string& pattern, int n, const std::string& technique) {
-  const std::string name = file_name(pattern, options_.parts(n, technique));
-  report_.outputs.push_back(name);
-  return name;
-}
-
 io::PngTexts PictureWriter::texts_of(const Camera& camera) const {
   return sfumato::texts_of(command_, camera, note_on_cutaway(session_.pose(), {&camera, 1}));
 }
 
 void PictureWriter::write_panels(const std::vector<labels::Panel>& panels, const Camera& camera, int n) {
   for (const labels::Panel& panel : panels) {
-    const std::string name = name_of(options_.output_panels, n, panel.label);
+    const std::string name = file_name(options_.output_panels, options_.parts(n, panel.label));
     Image<Rgba8> image = panel.image;
     draw_furniture(image, camera);
     io::write_png(name, image, options_.no_background, texts_of(camera), options_.dpi());
+    report_.outputs.push_back(name);
   }
 }
 

@@ -49,7 +49,6 @@ class PictureWriter {
 
  private:
   RenderOutput render(ChosenTechnique& chosen, const Camera& camera);
-  std::string name_of(const std::string& pattern, int n, const std::string& technique = {});
   void draw_furniture(Image<Rgba8>& rows, const Camera& camera, int first_row = 0) const;
   std::optional<io::Georeference> place_of(const Camera& camera) const;
   void report(std::size_t i, const RenderOutput& out);
