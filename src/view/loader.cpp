@@ -323,6 +323,7 @@ Loaded Loader::Work::read(const LoadJob& job, Watch& watch) {
     if (auto levels = scene::LeveledScene::open(job.files, options, job.request.memory))
       return read_levels(job, std::move(*levels), levels_key, watch);
   }
+  nodes_.reset(), nodes_key_.reset();  // of other files
   scene::Scene scene = is_kept ? *kept_ : read_whole(job, options, watch);
   Loaded out;
   out.id = job.id;
