@@ -245,6 +245,7 @@ void ViewModel::save_what_is_loaded() {
 void ViewModel::amend(const std::function<void(ViewRequest&)>& edit) {
   history_.amend(edit);
   for (SavedPictures::Order& each : saved_pictures.after_loading_) edit(each.request);
+  for (SavedPictures::Order& each : saved_pictures.of_view_) edit(each.request);
   edit(request_);
 }
 

@@ -3,6 +3,7 @@ import json
 import os
 import signal
 import struct
+import subprocess
 import sys
 import tempfile
 import threading
@@ -186,7 +187,6 @@ def main():
         check("it said nothing", server.said() == "", server.said())
 
         # Failures of the start: one line, a fixed code.
-        import subprocess
         taken = subprocess.Popen([COMMAND, "serve", os.path.join(folder, "scan.ply"), "--port", "0"], stdout=subprocess.PIPE, text=True)
         port = taken.stdout.readline().split(":")[2].split("/")[0]
         for words, code, text in (([os.path.join(folder, "scan.ply"), "--port", port], 6, "--port 0"),
@@ -199,6 +199,22 @@ def main():
                   (one.returncode, one.stderr))
         taken.send_signal(signal.SIGTERM)
         check("SIGTERM ends it", taken.wait(30) == 0)
+    # Who comes later sees the technique that was chosen for the whole scan from the first word on.
+    with tempfile.TemporaryDirectory() as folder:
+        scan, levels = make_scan(folder, 200000), os.path.join(folder, "scan.copc.laz")
+        subprocess.run([COMMAND, "build", scan, "-o", levels, "--quiet"], check=True)
+        for name, words in (("a whole file", (scan,)), ("levels", (levels, "--memory", "3M"))):
+            with Server(*words, "--quiet") as server:
+                server.wait_ready()
+                end = time.monotonic() + 60
+                while not server.info()["technique"]["name"] and time.monotonic() < end:
+                    time.sleep(0.1)
+                page = Socket(server)
+                page.send(do="size", width=64, height=48)
+                page.listen(lambda s: "technique" in s.state)
+                begun, chosen = page.state["technique"]["name"], server.info()["technique"]["name"]
+                check(f"{name}: a page begins with the technique that was chosen", begun == chosen != "", (begun, chosen))
+                page.close()
     if failures:
         sys.exit(f"{len(failures)} failed: {failures}")
 

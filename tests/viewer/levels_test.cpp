@@ -283,6 +283,22 @@ TEST_F(LevelsTest, OneReadingTellsAllClassesAndWhatIsSelected) {
   EXPECT_EQ(all.cloud.size(), scene.cloud.size() + scene.selected.hidden);
 }
 
+// It is a picture of the technique that the whole has, not of the one that stood in.
+TEST_F(LevelsTest, APictureIsSavedByTheTechniqueThatIsChosenLater) {
+  Start unsettled = start();
+  unsettled.request.technique.clear();
+  unsettled.given = {{"epsilon", "0.1"}};  // which the stand-in has not
+  ViewModel model(unsettled);
+  model.set_size(width, height);
+  ASSERT_TRUE(wait(model, [&] { return model.scene.loaded() && !model.scene.loading(); }));
+  ASSERT_TRUE(model.scene.loaded()->is_coarse && model.request().technique.empty());
+  model.save_picture(width, height);
+  ASSERT_TRUE(wait(model, [&] { return !model.saved_pictures.pending(); }));
+  const std::vector<SavedPicture> saved = model.saved_pictures.take();
+  ASSERT_EQ(saved.size(), 1u);
+  EXPECT_EQ(saved[0].picture.technique, "splats");
+}
+
 // What a box leaves out is seen as well, though nothing is read there for what is selected.
 TEST_F(LevelsTest, ClassesBesideABoxAreKnown) {
   io::write(folder_ / "beside.las", test::scan(20'000, 7, 1000));

@@ -173,6 +173,9 @@ class Page : public std::enable_shared_from_this<Page> {
     view::Start start = server_.sources.start;
     start.wake = ticker_->waker();
     if (server_.look) start.request = *server_.look;
+    // What was chosen for the whole scan is not chosen again, from what a page happens to see of it.
+    if (start.request.technique.empty() && server_.is_ready())
+      start.request.technique = server_.keeper().request().technique;
     known_ = start.request;
     Outside outside = server_.outside();
     outside.send_text = [weak](std::string text) {

@@ -286,8 +286,10 @@ void Server::begin() {
   ticker_ = std::make_shared<Ticker>(
       io, [this] { tick_keeper(); },
       [this]() -> std::optional<double> {
-        return is_ready_ ? std::optional<double>()
-                         : std::min(keeper_->wait_ms(now_ms()).value_or(100), 100.0);
+        const std::optional<double> wait = keeper_->wait_ms(now_ms());
+        if (!is_ready_) return std::min(wait.value_or(100), 100.0);
+        // Of files with levels a technique is chosen with the first view, after the coarse levels are there.
+        return keeper_->request().technique.empty() ? wait : std::nullopt;
       });
   view::Start start = sources.start;
   start.wake = ticker_->waker();
