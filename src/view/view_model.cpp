@@ -72,14 +72,14 @@ void ViewModel::drag(Drag kind, const dvec3& grabbed, double dx_px, double dy_px
 }
 
 void ViewModel::show_class(int id, bool shown) {
+  if (!scene.loaded()) return;  // which classes there are is not known yet
   change("classes", [&](ViewRequest& next) {
     // Noise that this scan lacks stays hidden by default, so that the command stays short.
     std::vector<int> hidden = next.hide_classes;
-    if (scene.loaded())
-      for (const ClassShare& each : scene.loaded()->classes) {
-        std::erase(hidden, each.id);
-        if (!next.shows_class(each.id)) hidden.push_back(each.id);
-      }
+    for (const ClassShare& each : scene.loaded()->classes) {
+      std::erase(hidden, each.id);
+      if (!next.shows_class(each.id)) hidden.push_back(each.id);
+    }
     std::erase(hidden, id);
     if (!shown) hidden.push_back(id);
     std::sort(hidden.begin(), hidden.end());

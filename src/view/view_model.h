@@ -70,7 +70,7 @@ class ViewModel {
   void change(const std::string& what, const std::function<void(ViewRequest&)>& edit);
   /// The same for the camera.
   void move(const std::string& what, const std::function<void(Navigator&)>& edit);
-  /// Of a drag that holds `place_at` where it began, to turn `pivot_at`.
+  /// Of a drag that holds what `grab` found where it began.
   void drag(Drag kind, const dvec3& grabbed, double dx_px, double dy_px);
   dvec3 grab(Drag kind, double x_px, double y_px) const {
     return kind == Drag::rotate ? pivot_at(x_px, y_px) : place_at(x_px, y_px);

@@ -161,6 +161,9 @@ TEST_F(ViewModelTest, UndoKeepsTheTechniqueThatWasChosen) {
 TEST_F(ViewModelTest, ShowsAndHidesOneClassAmongOthers) {
   Start only = start(write("here.las", 0));
   only.request.points.selection.show_classes = {2};
+  ViewModel early(only);
+  early.show_class(6, true);  // among others that nobody knows yet
+  EXPECT_EQ(early.request().points.selection.show_classes, std::vector{2});
   ViewModel& model = show(only);
   EXPECT_FALSE(model.request().shows_class(6));
   model.show_class(6, true);
