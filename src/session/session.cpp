@@ -212,10 +212,10 @@ std::uint64_t Session::source(std::size_t part, std::size_t i) const {
 }
 
 void Session::open(scene::Scene scene, Pose pose, const SessionOptions& options, Choice* choice,
-                   Progress& progress) {
+                   Progress& progress, bool measures) {
   set_scene(std::move(scene), std::move(pose), options, progress);
   if (choice && choice->automatic()) choice->resolve(suggest());
-  measure(choice && options.measures ? choice->needs() : Attributes(), progress);
+  measure(choice && measures ? choice->needs() : Attributes(), progress);
 }
 
 void Session::set_scene(scene::Scene scene, Pose pose, const SessionOptions& options, Progress& progress) {

@@ -24,9 +24,8 @@ struct SessionOptions {
   analysis::PrepareOptions prepare;
   ColorSettings color;
   std::optional<vec3> background;  ///< sRGB; nothing: what contrasts with the colours
-  std::vector<DrawRule> draw =
-      {};                ///< the first that selects a point draws it; the others are drawn as the caller says
-  bool measures = true;  ///< what techniques need, with the scene; else their first pictures do
+  /// The first that selects a point draws it; the others are drawn as the caller says.
+  std::vector<DrawRule> draw = {};
 };
 
 /// One scene on one context. Use it on the thread of its context.
@@ -36,9 +35,11 @@ class Session {
 
   /// Makes a scene ready to be drawn by what was chosen, in the three steps below: `set_scene`, `suggest` for
   /// an `auto` in the choice, which is resolved in place, and `measure` of what its techniques need. Null:
-  /// nothing is chosen yet, and what pictures need they measure. Throws as the steps and Choice::resolve do.
+  /// nothing is chosen yet. Without `measures` the first pictures measure what they need, as they do where
+  /// nothing is chosen. Throws as the steps and Choice::resolve do. PartRenderer takes
+  /// the steps itself: it knows the needs of a technique, and has no choice.
   void open(scene::Scene scene, Pose pose, const SessionOptions& options, Choice* choice,
-            Progress& progress = no_progress());
+            Progress& progress = no_progress(), bool measures = true);
   /// Sorts the points of a scene: `suggest` may then be asked, and until `measure` has been called there is
   /// nothing to draw (`empty`). Throws Error(usage) for rules that leave out every point, before anything of
   /// the last scene is gone, and Cancelled when `progress` asks for it.

@@ -1,3 +1,5 @@
+#include "view/render_client.h"
+
 #include <new>
 
 #include "core/error.h"
@@ -38,7 +40,7 @@ void RenderClient::show(SceneJob job) {
   state_->drop_live();
   state_->scene = std::move(job);
   state_->cancel_scene = true;
-  thread_->wake();
+  thread_->begin_work();
 }
 
 void RenderClient::render(PictureJob job) {
@@ -46,25 +48,25 @@ void RenderClient::render(PictureJob job) {
   state_->drop_live();
   state_->live = std::move(job);
   state_->cancel_live = true;
-  thread_->wake();
+  thread_->begin_work();
 }
 
 void RenderClient::render_to_keep(PictureJob job) {
   const std::lock_guard lock(thread_->mutex);
   state_->kept.push_back(std::move(job));
-  thread_->wake();
+  thread_->begin_work();
 }
 
 void RenderClient::pick(PickJob job) {
   const std::lock_guard lock(thread_->mutex);
   state_->picks.push_back(std::move(job));
-  thread_->wake();
+  thread_->begin_work();
 }
 
 void RenderClient::profile(ProfileJob job) {
   const std::lock_guard lock(thread_->mutex);
   state_->profile = std::move(job);
-  thread_->wake();
+  thread_->begin_work();
 }
 
 void RenderClient::cancel() {

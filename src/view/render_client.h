@@ -29,6 +29,7 @@ struct SceneJob {
   Pose pose;
   SessionOptions options;
   std::unique_ptr<Choice> choice;  ///< null: nothing is chosen, and nothing analysed for it
+  bool measures = true;            ///< what its techniques need, with the scene; else their first pictures do
 };
 
 struct PictureJob {
@@ -94,7 +95,8 @@ struct Failure {
   std::string message;
 };
 
-/// The message that a person gets for what is being thrown; `other`: the code of what is no Error.
+/// The message that a person gets for what is being thrown, only inside a catch; `other`: the code of what is
+/// no Error.
 Failure failure_of(std::uint64_t id, ErrorCode other = ErrorCode::usage);
 
 using Answer = std::variant<Picture, SceneReady, PickAnswer, Profile, JobCancelled, Failure>;

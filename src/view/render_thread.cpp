@@ -93,7 +93,8 @@ void RenderThread::do_scene(State& one, SceneJob job, Watch& watch) {
   SceneReady ready;
   ready.id = job.id;
   try {
-    first.session->open(std::move(job.scene), std::move(job.pose), job.options, job.choice.get(), watch);
+    first.session->open(std::move(job.scene), std::move(job.pose), job.options, job.choice.get(), watch,
+                        job.measures);
   } catch (...) {
     // Refused before anything changed, it still draws the last scene; cut off half way, it has nothing.
     if (!first.session->empty()) one.shared = shared;

@@ -123,10 +123,10 @@ class RenderThread {
     one.gone = one.cancel_live = one.cancel_scene = true;
     const std::lock_guard lock(mutex);
     one.wake = [] {};
-    wake();
+    begin_work();
   }
   /// With the lock: there is something better to do than what may be wanted later.
-  void wake() {
+  void begin_work() {
     cancel_idle = true;
     work.notify_all();
   }

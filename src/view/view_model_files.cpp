@@ -130,7 +130,7 @@ void ViewModel::send_scene(Loaded& loaded, bool is_another_view) {
   if (scene.loading()) scene.load_state_ = LoadState::preparing;
   if (!loaded.is_coarse) whole.choice = wanted.make_choice(start_.given);
   // The view is shown before the technique has measured its points.
-  whole.options.measures = !is_another_view;
+  whole.measures = !is_another_view;
   stand_in_is_due_ = is_another_view && request_.technique != stand_in_technique;
   whole_->show(std::move(whole));
 }
