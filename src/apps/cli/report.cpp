@@ -72,20 +72,6 @@ Json timings(const TechniqueReport& report) {
   return json;
 }
 
-}  // namespace
-
-io::ReadReport report_of(const copc::Tree& tree) {
-  io::ReadReport report;
-  report.file = tree.file;
-  report.format = tree.format;
-  report.points = report.points_finite = tree.points;
-  report.bounds_min = tree.bounds.min, report.bounds_max = tree.bounds.max;
-  report.crs = tree.crs;
-  return report;
-}
-
-namespace {
-
 Json facts_of(const io::ReadReport& report, std::optional<double> spacing) {
   if (!report.points_finite) spacing.reset();
   Json json;
@@ -107,6 +93,16 @@ Json facts_of(const io::ReadReport& report, std::optional<double> spacing) {
 }
 
 }  // namespace
+
+io::ReadReport report_of(const copc::Tree& tree) {
+  io::ReadReport report;
+  report.file = tree.file;
+  report.format = tree.format;
+  report.points = report.points_finite = tree.points;
+  report.bounds_min = tree.bounds.min, report.bounds_max = tree.bounds.max;
+  report.crs = tree.crs;
+  return report;
+}
 
 std::string info_json(const io::ReadReport& report, double median_spacing,
                       const std::vector<ClassShare>& classes) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/colormap.h"
+#include "core/counted.h"
 #include "interface.h"
 #include "panel_tools.h"
 

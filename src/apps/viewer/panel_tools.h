@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/counted.h"
-
 namespace sfumato::viewer {
 
 /// For the item before it.
