@@ -508,10 +508,11 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
   if (normals || radii || uncertainty)
     Completion(prepared, options, *tree, progress).run(normals, radii, uncertainty);
   if (support) prepared.support = std::move(new_support);
+  const bool knows_surroundings = prepared.available.has(Attribute::surroundings);
   prepared.available = attributes_of(cloud);
   if (!prepared.support.empty()) prepared.available = prepared.available | Attribute::support;
-  if (prepared.surroundings) prepared.available = prepared.available | Attribute::surroundings;
   prepared.computed = prepared.computed | prepared.available.without(found);
+  if (knows_surroundings) prepared.available = prepared.available | Attribute::surroundings;
   if (prepared.available.has(Attribute::radius) && !(prepared.median_radius > 0))
     prepared.median_radius = median_radius(prepared, cloud.radii);
   if (const ScalarField* values = cloud.scalar("uncertainty"))

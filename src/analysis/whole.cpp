@@ -112,9 +112,11 @@ PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes
   for (std::uint32_t i = 0; i < prepared.cloud.size(); ++i)
     if (prepared.cloud.source_index[i] < count) kept.push_back(i);
   if (needs.has(Attribute::surroundings)) {
-    auto all = std::make_shared<PreparedCloud>(prepared);
-    all->cloud.colors = {};
-    prepared.surroundings = std::move(all), prepared.in_surroundings = kept;
+    if (kept.size() < prepared.cloud.size()) {
+      auto all = std::make_shared<PreparedCloud>(prepared);
+      all->cloud.colors = {};
+      prepared.surroundings = std::move(all), prepared.in_surroundings = kept;
+    }
     prepared.available = prepared.available | Attribute::surroundings;
   }
   keep_only(prepared.shrunk, kept), keep_only(prepared.on_surface, kept);

@@ -38,8 +38,8 @@ struct Discs {
 Discs discs_at(const Neighborhoods& around);
 
 /// As `prepare`. What is computed from neighbours finds them among `around` too, points of other parts
-/// (analysis/regions.h), which are not in the result: nothing can be computed later, unless `needs` has
-/// Attribute::surroundings.
+/// (analysis/regions.h), which are not in the result: `complete` does not find them there later. If `needs`
+/// has Attribute::surroundings, they are kept for what techniques measure (PreparedCloud::with_surroundings).
 PreparedCloud prepare_part(PointCloud part, const PointCloud& around, Attributes needs,
                            const PrepareOptions& options, Progress& progress,
                            std::shared_ptr<const WholeCloud> whole);
