@@ -41,6 +41,12 @@ double largest_size_px(const View& view, const Batch& batch, double radius) {
 
 }  // namespace
 
+float filter_reach(const View& view, const SplatShape& shape) {
+  const Camera& camera = view.camera();
+  return shape.prefilter_px *
+         float((camera.orthographic() ? 1 : camera.far_plane) / camera.pixels_per_unit());
+}
+
 SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape& shape, SplatPath path) {
   SplatBatches chosen;
   const std::vector<float>& radii = cloud.largest_radii();
@@ -50,12 +56,7 @@ SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape&
     for (std::uint32_t b = chunk.first_batch; b < chunk.first_batch + chunk.batch_count; ++b) {
       const Batch& batch = batches[b];
       const float radius = std::min(radii[b], shape.radius_limit) * shape.radius_scale;
-      // The screen filter reaches one pixel further than the disc: at most the size of a pixel on the far
-      // side.
-      const float pixel =
-          shape.prefilter_px * float((view.camera().orthographic() ? 1 : view.camera().far_plane) /
-                                     view.camera().pixels_per_unit());
-      const vec3 reach(std::max(radius, pixel));
+      const vec3 reach(std::max(radius, filter_reach(view, shape)));
       if (!view.may_see(batch.box_min - reach, batch.box_max + reach)) continue;
       chosen.points_seen += batch.count;
       // A sprite that is cut at a narrow image may need twice its width (splat.vert).

@@ -87,6 +87,8 @@ struct SplatBatches {
   std::uint64_t points_seen = 0;
   std::uint64_t fallbacks = 0;  ///< points drawn as quads because a sprite might exceed the driver's limit
 };
+/// Scene units that the screen filter makes of smaller discs: at most the size of a pixel on the far side.
+float filter_reach(const View& view, const SplatShape& shape);
 SplatBatches choose_batches(GpuCloud& cloud, const View& view, const SplatShape& shape,
                             SplatPath path = gl::preferences().splat_path);
 
