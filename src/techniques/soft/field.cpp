@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "analysis/attributes.h"
+#include "analysis/prepare.h"
 #include "analysis/quantiles.h"
 #include "core/error.h"
 #include "core/number_in.h"
@@ -103,6 +104,40 @@ std::vector<float> scalar_values(const PreparedCloud& prepared, const std::strin
   return values;
 }
 
+enum class Uncertainty {
+  given,    ///< as an ordinary scalar
+  stored,   ///< analysis::stored_uncertainty
+  measured  ///< by us
+};
+
+/// The same for all parts of a cloud: as its sample has it.
+Uncertainty uncertainty_of(const PreparedCloud& prepared) {
+  const PointCloud& all = prepared.whole ? prepared.whole->sample : prepared.cloud;
+  const bool has_own = !prepared.whole && prepared.computed.has(Attribute::uncertainty);
+  if (!has_own && analysis::whole_stored_uncertainty(all)) return Uncertainty::stored;
+  return has_own || (prepared.whole && !all.scalar("uncertainty")) ? Uncertainty::measured
+                                                                   : Uncertainty::given;
+}
+
+/// 0 for the few points of a part that lack one, where the sample of the whole has none of those.
+std::vector<float> stored_values(const PointCloud& cloud) {
+  const ScalarField* stored = cloud.scalar(analysis::stored_uncertainty);
+  std::vector<float> values = stored ? stored->values : std::vector<float>(cloud.size());
+  for (float& value : values)
+    if (std::isnan(value)) value = 0;
+  return values;
+}
+
+/// Of a part that has a stored one of every point, where other parts have not.
+PreparedCloud without_stored(PreparedCloud part, Progress& progress) {
+  std::erase_if(part.cloud.scalars,
+                [](const ScalarField& of) { return of.name == analysis::stored_uncertainty; });
+  analysis::PrepareOptions options;
+  options.neighbors = part.neighbors;
+  analysis::complete(part, Attribute::uncertainty, options, progress);
+  return part;
+}
+
 }  // namespace
 
 void FieldSettings::describe(ParamList& p) {
@@ -132,12 +167,9 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis:
   Field field;
   const PointCloud& cloud = prepared.cloud;
   // A file may bring an uncertainty of its own, whose scale is its own, too.
-  const bool is_own = prepared.computed.has(Attribute::uncertainty),
-             is_asked = settings.field == "uncertainty";
-  const ScalarField* stored = is_asked && !is_own ? analysis::whole_stored_uncertainty(cloud) : nullptr;
-  const bool measured = is_asked && (is_own || stored);
-  // A part without points knows as well whether those of others have one.
-  field.is_measured = prepared.whole ? is_asked && !prepared.whole->sample.scalar("uncertainty") : measured;
+  const Uncertainty uncertainty =
+      settings.field == "uncertainty" ? uncertainty_of(prepared) : Uncertainty::given;
+  field.is_measured = uncertainty != Uncertainty::given;
   if (cloud.empty()) return field;
   if (settings.field == "class")
     field.values = classes(cloud, settings.classes);
@@ -145,11 +177,13 @@ Field evaluate(const PreparedCloud& prepared, FieldSettings& settings, analysis:
     field.values = distances(prepared, settings);
   else if (settings.field == "sensor")
     field.values = sensor_uncertainty(prepared, field.notes);
-  else if (stored)
-    field.values = stored->values;
-  else if (measured) {
+  else if (uncertainty == Uncertainty::stored)
+    field.values = stored_values(cloud);
+  else if (uncertainty == Uncertainty::measured) {
     if (nearby.size() != cloud.size()) nearby = analysis::Nearby(cloud.positions, progress);
-    field.values = analysis::scale_free_uncertainty(prepared, nearby);
+    field.values = cloud.scalar("uncertainty")
+                       ? analysis::scale_free_uncertainty(prepared, nearby)
+                       : analysis::scale_free_uncertainty(without_stored(prepared, progress), nearby);
   } else {
     field.values = scalar_values(prepared, settings.field, field.notes);
   }
