@@ -568,6 +568,95 @@ TEST_F(PartsTest, ThresholdsOfManySoftPointsAreThoseOfASample) {
   }
 }
 
+/// Moves a point a little, until nothing of a sample of so many would have it.
+void leave_out_of_samples(const PointCloud& cloud, vec3& place, std::uint64_t points) {
+  while (analysis::is_sampled(cloud.origin + dvec3(place), points)) place.x += 1e-5f;
+}
+
+TEST_F(PartsTest, FewSoftPointsOfManyAreAsLargeAsAtOnce) {
+  name_ = "soft", parameters_ = {{"field", "height"}, {"field_threshold", "0.5"}};
+  leave_out_relief();
+  PointCloud cloud;
+  cloud.origin = {5e5, 4e6, 100};
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(-1, 1);
+  ScalarField height{"height", 0, {}};
+  const auto add = [&](const vec3& place, const Rgba8& color, float value) {
+    cloud.positions.push_back(place), cloud.colors.push_back(color), height.values.push_back(value);
+  };
+  constexpr int wall = 150'000, leaves = 60;
+  for (int i = 0; i < wall; ++i) add({1.5f * any(random), 0.9f, 1.2f * any(random)}, {200, 100, 50, 255}, 0);
+  for (int i = 0; i < leaves; ++i) {
+    vec3 place = 0.1f * vec3(any(random), any(random), any(random));
+    leave_out_of_samples(cloud, place, wall + leaves);
+    add(place, {40, 40, 200, 255}, 1);
+  }
+  cloud.scalars = {height};
+  const RenderOutput whole = at_once(cloud);
+  parameters_["opacity"] = "0";
+  const RenderOutput without = at_once(cloud);
+  parameters_.erase("opacity");
+  for (const std::size_t count : {1, 2, 3}) {
+    const RenderOutput parts =
+        by_shares(cloud, split(cloud, count, [&](std::uint32_t i) { return i % count; }));
+    EXPECT_GT(differing(parts, without, 12), 0.002) << count;
+    EXPECT_LT(differing(parts, whole, 1), 1e-3) << count;
+  }
+}
+
+TEST_F(PartsTest, FewSolidPointsOfManyAreMeasuredTogether) {
+  name_ = "soft",
+  parameters_ = {
+      {"field", "height"}, {"field_threshold", "0.5"}, {"opacity", "0.05"}, {"clamp_radius", "false"}};
+  leave_out_relief();
+  // Soft points far behind, and two dense sheets beside a sparse one: for the whole they are one surface.
+  PointCloud cloud;
+  cloud.origin = {5e5, 4e6, 100};
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(-1, 1);
+  constexpr int soft = 150'000, dense = 30, sparse = 50, points = soft + 2 * dense * dense + sparse * sparse;
+  ScalarField height{"height", 0, std::vector<float>(points)};
+  for (int i = 0; i < soft; ++i) {
+    cloud.positions.push_back({1.6f * any(random), 2, 1.2f * any(random)});
+    cloud.colors.push_back({40, 160, 40, 255}), height.values[std::size_t(i)] = 1;
+  }
+  const auto add_sheet = [&](const vec3& at, float step, int count, const Rgba8& color) {
+    for (int i = 0; i < count; ++i)
+      for (int k = 0; k < count; ++k) {
+        vec3 place = at + step * vec3(float(i), 0, float(k));
+        leave_out_of_samples(cloud, place, points);
+        cloud.positions.push_back(place), cloud.colors.push_back(color);
+      }
+  };
+  add_sheet({-1.6f, 0, -0.9f}, 0.036f, sparse, {120, 120, 120, 255});
+  add_sheet({0.9f, 0, 0.3f}, 0.006f, dense, {255, 0, 0, 255});
+  add_sheet({0.9f, 0.03f, 0.3f}, 0.006f, dense, {0, 0, 255, 255});
+  cloud.scalars = {height};
+  const RenderOutput whole = at_once(cloud);
+  for (const std::size_t count : {1, 2, 8}) {
+    const RenderOutput parts =
+        by_shares(cloud, split(cloud, count, [&](std::uint32_t i) { return i % count; }));
+    EXPECT_LT(differing(parts, whole, 12), 5e-4) << count;
+  }
+}
+
+TEST_F(PartsTest, MoreSoftPointsThanAMessageHoldsAreRefused) {
+  name_ = "soft";
+  const PointCloud cloud = with_leaves();
+  const PreparedCloud share = shares_of(cloud, split(cloud, 1, [](std::uint32_t) { return 0; })).front();
+  show(share);
+  VisiblePoints merged = renderer_.visible(*technique(), camera_of_scene(), settings_);
+  merged.add_round(renderer_.visible(*technique(), camera_of_scene(), settings_, &merged));
+  EXPECT_NO_THROW(renderer_.visible(*technique(), camera_of_scene(), settings_, &merged));
+  merged.values.at(1).count = 60'000'000;
+  try {
+    renderer_.visible(*technique(), camera_of_scene(), settings_, &merged);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("field_threshold"), std::string::npos) << error.what();
+  }
+}
+
 /// The picture where in one round each part goes on from what it said itself, and not from what all did.
 RenderOutput PartsTest::drawn_alone(const std::vector<PreparedCloud>& parts, int in_round) {
   VisiblePoints of_all;

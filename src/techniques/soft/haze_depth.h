@@ -28,5 +28,7 @@ struct HazeSpheres {
 /// Of views of one size (the faces of a panorama) over the rays of all of them.
 double haze_depth(const HazeSpheres& spheres, std::span<const Camera> views, const dvec3& origin,
                   const HazeSettings& settings);
+/// Whether a sphere of that radius, scene units, counts in it.
+bool counts_in_depth(const Camera& view, const dmat4& eye_from_cloud, const vec3& place, double radius);
 
 }  // namespace sfumato::soft

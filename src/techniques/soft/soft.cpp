@@ -193,7 +193,7 @@ class Soft final : public Technique {
     frame.cloud.set_field(field_buffers_);
     if (frame.visible && !frame.merged) {
       frame.visible->values.push_back(sample_of_field_.at(
-          field_buffers_, [&] { return sample_of_field(frame.cloud.prepared(), field_.values); }));
+          field_buffers_, [&] { return sample_of_field(frame.cloud.prepared(), own_field()); }));
       return true;
     }
     if (frame.merged) take_up_field(*frame.merged);
@@ -302,13 +302,21 @@ class Soft final : public Technique {
   void show_part(Frame& frame, const View& view, SplatShape shape) {
     VisiblePoints& visible = *frame.visible;
     const VisiblePoints& merged = *frame.merged;
+    const PreparedCloud& prepared = frame.cloud.prepared();
+    const float threshold = shape.field_threshold;
+    const SoftOfPart& soft = soft_of_part_.at({field_buffers_, threshold},
+                                              [&] { return soft_of(prepared, own_field(), threshold); });
     if (merged.values.size() == 1) {
-      visible.values = sizes_.at({field_buffers_, shape.field_threshold}, [&] {
-        return sizes_of(frame.cloud.prepared(), field_.values, shape.field_threshold,
-                        !parameters_.field.is_uncertainty());
+      const Numbers numbers = numbers_of(merged.values[0], threshold);
+      visible.values = sizes_.at({field_buffers_, threshold, numbers}, [&] {
+        std::vector<VisiblePoints::Values> sizes = sizes_of(prepared, soft, numbers);
+        if (!parameters_.field.is_uncertainty())
+          add_discs(sizes, prepared, soft, numbers, field_.values, threshold);
+        return sizes;
       });
       return;
     }
+    require_few(merged.values[1].count);
     const SolidPart::OfWhole of_whole = solid_of(merged.values);
     const SplatBlend blend = measure_solid(frame, shape.field_threshold, &of_whole);
     shape.part = SplatPart::not_above;
@@ -323,14 +331,18 @@ class Soft final : public Technique {
     surface_.accumulate(frame.cloud, view, shape, blend, merged.nearest, frame.timers);
     visible.color_sum = surface_.color_sum().download<vec4>();
     visible.normal_sum = surface_.normal_sum().download<vec4>();
-    visible.seen_through = soft_in_view(frame.cloud, field_.values, view, shape);
+    const bool is_measured = !parameters_.opacity.user;
+    visible.seen_through = soft_in_view(frame.cloud, soft, own_field(), view, shape,
+                                        is_measured ? frame.views : std::span<const Camera>());
   }
 
   void draw_merged(Frame& frame, const View& view, const SplatShape& shape) {
     const VisiblePoints& merged = *frame.merged;
     point_count_ = merged.values.at(0).count, soft_count_ = merged.values.at(1).count;
     haze_.take_up(merged.seen_through, frame.cloud, origin_of(frame.cloud));
-    points_.choose(*haze_.gpu, haze_.field, shape.field_threshold, &merged.values.at(1).sample);
+    // Without a sample, as where all lie in a few places: those that are handed out.
+    const std::vector<float>& radii = merged.values.at(1).sample;
+    points_.choose(*haze_.gpu, haze_.field, shape.field_threshold, radii.empty() ? nullptr : &radii);
     Frame of_haze{*haze_.gpu,   frame.camera,       frame.settings, frame.light,
                   frame.target, frame.wants_normal, frame.timers,   frame.progress};
     of_haze.views = frame.views;
@@ -447,13 +459,20 @@ class Soft final : public Technique {
   std::optional<FieldKey> field_key_;
   std::shared_ptr<const GpuCloud::Values> field_buffers_;
   Derived<CastersKey, std::shared_ptr<const GpuCloud::Casters>> casters_;
+  struct SoftKey {
+    std::shared_ptr<const GpuCloud::Values> field;
+    float threshold;
+    bool operator==(const SoftKey&) const = default;
+  };
   struct SizesKey {
     std::shared_ptr<const GpuCloud::Values> field;
     float threshold;
+    Numbers numbers;
     bool operator==(const SizesKey&) const = default;
   };
-  // What a part says in its first rounds.
+  // What a part says.
   Derived<std::shared_ptr<const GpuCloud::Values>, VisiblePoints::Values> sample_of_field_;
+  Derived<SoftKey, SoftOfPart> soft_of_part_;
   Derived<SizesKey, std::vector<VisiblePoints::Values>> sizes_;
   analysis::Nearby nearby_;
   SplatSurface surface_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "analysis/prepare.h"
 
@@ -40,17 +41,11 @@ std::vector<std::uint32_t> solid_places(std::span<const float> field, float thre
 
 }  // namespace
 
-analysis::Discs SolidPart::discs_of(const PreparedCloud& part, std::span<const float> field,
-                                    float threshold) {
+analysis::Discs SolidPart::discs_at(const PreparedCloud& part, std::span<const float> field, float threshold,
+                                    std::vector<dvec3> places) {
   const PreparedCloud& all = part.with_surroundings();
   if (!all.computed.has(Attribute::normal) && !all.computed.has(Attribute::radius)) return {};
   const std::vector<vec3> solid = part_of(all, solid_places(field, threshold)).cloud.positions;
-  std::vector<dvec3> places;
-  for (std::size_t i = 0; i < part.cloud.size(); ++i) {
-    const dvec3 place = part.cloud.world(i);
-    const bool is_solid = !(field[part.surroundings ? part.in_surroundings[i] : i] > threshold);
-    if (is_solid && (!part.whole || analysis::is_sampled(place, part.whole->points))) places.push_back(place);
-  }
   const analysis::NeighborTree tree(solid);
   return analysis::discs_at(
       analysis::neighborhoods_of(tree, all.cloud.origin, std::move(places), std::size_t(all.neighbors) + 1));
@@ -72,8 +67,10 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
     PreparedCloud part = part_of(prepared, places);
     if (of_whole && prepared.whole) {
       auto whole = std::make_shared<WholeCloud>(*prepared.whole);
-      whole->points = of_whole->points, whole->median_radius = of_whole->median_radius;
-      whole->is_rough = of_whole->is_rough;
+      whole->points = of_whole->points;
+      // Not measured, as of a lone point: that of all points, and no part's own.
+      if (of_whole->median_radius > 0)
+        whole->median_radius = of_whole->median_radius, whole->is_rough = of_whole->is_rough;
       part.whole = std::move(whole);
     }
     analysis::PrepareOptions options;
@@ -92,11 +89,12 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
     // A square grid of that spacing has the radius of Eq. 20 for many neighbours.
     if (prepared.computed.has(Attribute::radius))
       spacing_ = part.median_radius / (2 * std::numbers::inv_sqrtpi_v<float>);
-    shapes_ = gpu.make_shapes(own.own_of(normals), own.own_of(radii), own.own_of(surface));
+    shapes_ = gpu.make_shapes(own.own_of(std::move(normals)), own.own_of(std::move(radii)),
+                              own.own_of(std::move(surface)));
   } else if (clamp) {
     analysis::limit_isolated(prepared.cloud.positions,
                              all ? *all : analysis::Nearby(prepared.cloud.positions, progress), radii);
-    shapes_ = gpu.make_shapes({}, own.own_of(radii), own.on_surface);
+    shapes_ = gpu.make_shapes({}, own.own_of(std::move(radii)), own.on_surface);
   }
   key_ = key;
 }

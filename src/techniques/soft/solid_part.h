@@ -27,9 +27,10 @@ class SolidPart {
   /// the expected; `all` has the surroundings of every point. `of_whole`: null where the cloud is no part.
   void update(GpuCloud& cloud, std::span<const float> field, float threshold, bool among_themselves,
               bool clamp, const analysis::Nearby* all, const OfWhole* of_whole, Progress& progress);
-  /// Of a part what `OfWhole` is made of: discs among the solid points at those of its own that are in a
-  /// random sample of the whole. None where normals and radii were given.
-  static analysis::Discs discs_of(const PreparedCloud& part, std::span<const float> field, float threshold);
+  /// Of a part what `OfWhole` is made of: discs among the solid points at places of its own. None where
+  /// normals and radii were given.
+  static analysis::Discs discs_at(const PreparedCloud& part, std::span<const float> field, float threshold,
+                                  std::vector<dvec3> places);
   /// Spacing of the solid points, scene units; the cloud's unless measured among themselves.
   float spacing() const { return spacing_; }
   /// Normals and radii of the solid part; null: those of the cloud.
