@@ -11,7 +11,9 @@
 #include "analysis/spacing.h"
 #include "analysis/survey.h"
 #include "analysis/whole.h"
+#include "passes/view.h"
 #include "reference/gl_fixture.h"
+#include "techniques/soft/haze_depth.h"
 
 using namespace sfumato;
 using namespace sfumato::testing;
@@ -638,6 +640,25 @@ TEST_F(PartsTest, FewSolidPointsOfManyAreMeasuredTogether) {
         by_shares(cloud, split(cloud, count, [&](std::uint32_t i) { return i % count; }));
     EXPECT_LT(differing(parts, whole, 12), 5e-4) << count;
   }
+}
+
+TEST_F(PartsTest, HazeCountsWhereItIsSaidTo) {
+  // Small ones too are spread over a cell of the view, a 32nd of its longer side, and count beyond its edge.
+  const Camera camera = front_camera(200, 150, 3.2);
+  const std::vector<float> radii{0.01f}, field{1};
+  const std::vector<std::uint32_t> soft{0};
+  std::size_t counted = 0, seen = 0;
+  for (int i = -100; i <= 100; ++i)
+    for (const vec3& way : {vec3(1, 0, 0), {0, 0, 1}, {0, 1, 0}}) {
+      const std::vector<vec3> places{(0.05f * float(i)) * way};
+      const double depth =
+          soft::haze_depth({places, radii, soft, field}, std::span(&camera, 1), dvec3(0), {});
+      EXPECT_EQ(soft::counts_in_depth(camera, camera.view(dvec3(0)), places[0], radii[0]), depth > 0) << i;
+      counted += depth > 0,
+          seen += View(camera, dvec3(0)).may_see(places[0] - radii[0], places[0] + radii[0]);
+    }
+  EXPECT_GT(counted, seen);
+  EXPECT_LT(counted, 3 * 201u);
 }
 
 TEST_F(PartsTest, MoreSoftPointsThanAMessageHoldsAreRefused) {
