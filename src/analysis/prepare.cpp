@@ -92,7 +92,9 @@ SortedCloud sort_cloud(PointCloud cloud, const PrepareOptions& options, Progress
   prepared.cloud = std::move(cloud);
   prepared.whole = std::move(whole);
   if (prepared.cloud.normals.empty() || prepared.cloud.radii.empty()) recover_grid(prepared.cloud);
-  if (!prepared.whole) prepared.pictures = depth_pictures(prepared.cloud);
+  // Who brings both needs no neighbours.
+  if (!prepared.whole && (prepared.cloud.normals.empty() || prepared.cloud.radii.empty()))
+    prepared.pictures = depth_pictures(prepared.cloud);
   keep_viewpoints(prepared.cloud);
   std::vector<std::uint32_t> order = morton_order(prepared.cloud, progress);
   prepared.views = view_places(prepared.cloud, order);

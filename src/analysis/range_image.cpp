@@ -15,6 +15,8 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr float none = std::numeric_limits<float>::infinity();
+/// Of a picture that was thinned at random, every other pixel has no neighbour that normals could come from.
+constexpr double side_by_side = 0.8;
 
 /// One view: ranges from its viewpoint and the rays they were measured along.
 class RangeImage {
@@ -51,6 +53,13 @@ class RangeImage {
   float deviation() const { return deviation_; }
   std::size_t pixels() const {
     return range_.size() - std::size_t(std::count(range_.begin(), range_.end(), none));
+  }
+  /// Whether nearly all have a neighbour, as where nothing was thinned.
+  bool is_side_by_side() const {
+    std::size_t occupied = 0, beside = 0;
+    for (std::size_t cell = 0; cell + 1 < range_.size(); ++cell)
+      if (range_[cell] != none) ++occupied, beside += range_[cell + 1] != none;
+    return double(beside) >= side_by_side * double(occupied);
   }
   /// Pixels that a neighbour beside and one above or below continue as one surface.
   std::size_t joined() const {
@@ -270,7 +279,7 @@ std::optional<Lines> find_lines(std::vector<double> values) {
 }  // namespace
 
 bool recover_grid(PointCloud& cloud) {
-  constexpr double filled = 0.25, twice = 0.02, strays = 0.005, side_by_side = 0.8;
+  constexpr double filled = 0.25, twice = 0.02, strays = 0.005;
   const std::size_t n = cloud.size();
   if (!cloud.grids.empty() || !cloud.scanners.empty() || n < std::size_t(least_lines) * least_lines)
     return false;
@@ -307,7 +316,6 @@ bool recover_grid(PointCloud& cloud) {
     shared += cloud.positions[first] != cloud.positions[i];
   }
   if (double(shared) > twice * double(n)) return false;
-  // Of a picture that was thinned at random, every other pixel has no neighbour that normals could come from.
   std::size_t occupied = 0, beside = 0;
   for (std::size_t cell = 0; cell + 1 < first_in.size(); ++cell)
     if (first_in[cell] != nowhere) ++occupied, beside += first_in[cell + 1] != nowhere;
@@ -342,14 +350,23 @@ void complete_from_grids(PointCloud& cloud, Attributes needs, Progress& progress
 
 std::optional<DepthPictures> depth_pictures(const PointCloud& cloud) {
   constexpr double nearly_all = 0.95;
+  struct Measured {
+    std::size_t pixels = 0, joined = 0;
+    float noise = 0;
+  };
+  std::vector<Measured> measured(cloud.grids.size());
+  tbb::parallel_for(std::size_t(0), measured.size(), [&](std::size_t k) {
+    const std::optional<RangeImage> image = RangeImage::from(cloud, cloud.grids[k]);
+    if (image && image->is_side_by_side())
+      measured[k] = {image->pixels(), image->joined(), image->deviation()};
+  });
   std::size_t pixels = 0, joined = 0, count = 0;
   DepthPictures pictures;
-  for (const Grid& grid : cloud.grids) {
-    const std::optional<RangeImage> image = RangeImage::from(cloud, grid);
-    if (!image) continue;
-    pixels += image->pixels(), joined += image->joined(), ++count;
-    pictures.sensor = vec3(*grid.viewpoint - cloud.origin);
-    pictures.noise = image->deviation();
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    if (measured[k].pixels == 0) continue;
+    pixels += measured[k].pixels, joined += measured[k].joined, ++count;
+    pictures.sensor = vec3(*cloud.grids[k].viewpoint - cloud.origin);
+    pictures.noise = measured[k].noise;
   }
   if (count == 0 || !(double(pixels) >= nearly_all * double(cloud.size()))) return std::nullopt;
   if (count > 1) pictures.noise = 0;

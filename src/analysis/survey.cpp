@@ -49,8 +49,9 @@ class Nearest {
   float reach2() const { return count_ > 0 ? distance2_[count_ - 1] : 0; }
   /// (Levina and Bickel 2004, Eq. 8, inverted); the first is the point itself.
   float inverse_dimension() const {
+    constexpr float nearest2 = 1e-4f;  // of its square: a point that comes twice, rounded, is no line
     float sum = 0;
-    for (int k = 1; k < count_; ++k) sum += 0.5f * std::log(reach2() / distance2_[k]);
+    for (int k = 1; k < count_; ++k) sum -= 0.5f * std::log(std::max(distance2_[k] / reach2(), nearest2));
     return count_ > 2 ? sum / float(count_ - 2) : 0;
   }
 
@@ -134,8 +135,9 @@ SurfaceShare surface_share_of(const PreparedCloud& prepared, const NeighborTree*
     const Attributes all = Attribute::normal | Attribute::radius;
     const Attributes of_file = attributes_of(prepared.cloud).without(prepared.computed);
     if (all.without(of_file).empty()) return {};
-    if (prepared.pictures) return {prepared.pictures->surface_share};
-    return tree ? surface_share(*tree) : surface_share(NeighborTree(prepared.cloud.positions));
+    SurfaceShare share = tree ? surface_share(*tree) : surface_share(NeighborTree(prepared.cloud.positions));
+    if (prepared.pictures) share.surface = prepared.pictures->surface_share;
+    return share;
   });
 }
 

@@ -271,25 +271,26 @@ bool are_of_photographs(const std::vector<Rgba8>& colors) {
   return false;
 }
 
-/// Photographs fade towards black: where more is black than in all of the 219 colours next to it, it is what
-/// tools write for points that no photograph shows.
+/// Photographs in colour fade towards black: where more is black than in all other dark colours, also of four
+/// bits a channel, it is what tools write for points that no photograph shows.
 bool is_black_none(const std::vector<Rgba8>& colors) {
-  constexpr int next = 9;                         // sum of the channels
+  constexpr int dark = 25;                        // of each channel
   constexpr std::size_t seen = 500, chance = 16;  // one in so many; points
-  std::size_t black = 0, nearly = 0;
+  std::size_t black = 0, nearly = 0, grey = 0;
   for (const Rgba8& c : colors) {
-    const int sum = c.r + c.g + c.b;
-    black += sum == 0, nearly += sum > 0 && sum <= next;
+    const int most = std::max({c.r, c.g, c.b});
+    black += most == 0, nearly += most > 0 && most < dark, grey += c.r == c.g && c.g == c.b;
   }
-  return black > nearly && black >= chance && seen * black > colors.size();
+  return black > nearly && black >= chance && seen * black > colors.size() && 2 * grey < colors.size();
 }
 
 Rgba8 median_but_black(const std::vector<Rgba8>& colors) {
+  const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   Rgba8 median{0, 0, 0, 255};
   for (const auto channel : {&Rgba8::r, &Rgba8::g, &Rgba8::b}) {
     std::vector<std::uint8_t> values;
-    for (const Rgba8& c : colors)
-      if (c != no_color && (c.r | c.g | c.b) != 0) values.push_back(c.*channel);
+    for (std::size_t i = 0; i < colors.size(); i += stride)
+      if (const Rgba8& c = colors[i]; c != no_color && (c.r | c.g | c.b) != 0) values.push_back(c.*channel);
     if (!values.empty()) median.*channel = value_at_share(values, 0.5);
   }
   return median;
@@ -360,9 +361,11 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     out.is_photographed = are_of_photographs(out.colors);
     if (settings.for_black) {
       out.for_black = *settings.for_black;
-    } else if (out.is_photographed && is_black_none(out.colors)) {
+    } else if (out.is_photographed && settings.exposure != 1 && is_black_none(out.colors)) {
       out.for_black = median_but_black(out.colors);
-      out.notes.push_back("points that are 0 0 0, as no photograph shows them, have the median colour");
+      out.notes.push_back(
+          "points that are 0 0 0, which no photograph shows, have the median colour; --exposure 1 leaves "
+          "them");
     }
     for (Rgba8& c : out.colors)
       if ((c.r | c.g | c.b) == 0) c = out.for_black;

@@ -263,7 +263,7 @@ struct ReliefLoop {
 
   /// point_noise.glsl
   [[gnu::always_inline]] float point_noise_at(int x, int y, float d) const {
-    if (look.sensor_noise == 0 || x >= int(surfaces->eye.slopes_x.size())) return look.noise;
+    if (look.sensor_noise == 0) return look.noise;
     const vec2 slope(surfaces->eye.slopes_x[std::size_t(x)], surfaces->eye.slopes_y[std::size_t(y)]);
     const vec3 away = vec3(slope * (orthographic ? 1 : d), -d) - look.sensor;
     return look.sensor_noise * glm::dot(away, away);

@@ -144,7 +144,7 @@ CloudOfBlocks vtkSfumatoMapper::CloudOf(vtkActor* actor) {
 
 namespace {
 
-/// Colours are the host's: as they are, though they be dark.
+/// Colours are the host's: as they are, though they be dark or black.
 sfumato::ColorSettings colors_of_host() {
   sfumato::ColorSettings coloring{.color_by = "rgb"};
   coloring.exposure = 1;

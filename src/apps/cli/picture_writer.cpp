@@ -223,7 +223,7 @@ void PictureWriter::add(Rows& rows, RenderOutput& strip, int first_row, const Ca
 }
 
 void PictureWriter::close(Rows& rows, const Camera& camera) {
-  // What only now meets its file goes first: where that fails, nothing else is there either.
+  // What only now meets its file goes first: where that fails, files that are open do not appear.
   const int quality = options_.quality.value_or(90);
   if (extension_of(rows.whole_name) == ".webp")
     io::write_webp(rows.whole_name, rows.whole, options_.no_background, quality);

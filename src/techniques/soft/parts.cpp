@@ -81,9 +81,9 @@ SolidPart::OfWhole solid_of(const std::vector<VisiblePoints::Values>& merged) {
 }
 
 void require_few(std::uint64_t soft) {
-  // Handed out they are 40 bytes each, 2 GB in all: what the bytes of an MPI message are counted in is an
+  // Handed out they are 40 bytes each, 1.6 GB in all: what the bytes of an MPI message are counted in is an
   // int.
-  constexpr std::uint64_t most = 50'000'000;
+  constexpr std::uint64_t most = 40'000'000;
   if (soft > most)
     throw Error(ErrorCode::usage, std::to_string(soft) +
                                       " soft points in parts of a cloud are too many for " +
@@ -97,17 +97,18 @@ std::vector<VisiblePoints::SeenThrough> soft_in_view(const GpuCloud& part, const
                                                      std::span<const Camera> measured) {
   const PointCloud& cloud = part.prepared().cloud;
   const float pixel = filter_reach(view, shape);
+  std::vector<dmat4> to_eye;
+  for (const Camera& camera : measured) to_eye.push_back(camera.view(cloud.origin));
   std::vector<VisiblePoints::SeenThrough> out;
   for (std::size_t k = 0; k < soft.places.size(); ++k) {
     const std::uint32_t i = soft.places[k];
     const vec3& place = cloud.positions[i];
     const float radius = soft.radii[k] * shape.radius_scale;
     const vec3 reach(std::max(radius, pixel));
-    if (!view.may_see(place - reach, place + reach) &&
-        std::none_of(measured.begin(), measured.end(), [&](const Camera& camera) {
-          return counts_in_depth(camera, camera.view(cloud.origin), place, radius);
-        }))
-      continue;
+    bool counts = view.may_see(place - reach, place + reach);
+    for (std::size_t at = 0; at < measured.size() && !counts; ++at)
+      counts = counts_in_depth(measured[at], to_eye[at], place, radius);
+    if (!counts) continue;
     const vec3 normal = cloud.normals.empty() ? vec3(0) : cloud.normals[i];
     out.push_back({cloud.source_index[i], place, normal, soft.radii[k], own_field[i], part.colors()[i]});
   }

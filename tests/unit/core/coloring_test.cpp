@@ -483,9 +483,18 @@ TEST(Coloring, BlackOfPointsThatNoPhotographShowsIsDrawnInTheMedianColour) {
   ColorSettings settings{"rgb"};
   settings.for_black = Rgba8{0, 0, 0, 255};
   EXPECT_EQ(color_points(cloud, settings).colors[0].r, 0);
-  for (int i = 0; i < count; i += 10)
-    if (i % 20 != 0) cloud.colors[std::size_t(i)] = {std::uint8_t(i % 4), std::uint8_t(i % 3), 1, 255};
-  EXPECT_EQ(color_points(cloud, {"rgb"}).colors[0].r, 0) << "dark photographs";
+  settings = {"rgb"};
+  settings.exposure = 1;
+  EXPECT_EQ(color_points(cloud, settings).colors, cloud.colors) << "as they are";
+  const std::vector<Rgba8> colors = cloud.colors;
+  for (int i = 10; i < count; i += 10)
+    if (i % 20 != 0) cloud.colors[std::size_t(i)] = {std::uint8_t(8 * (i % 3)), 17, std::uint8_t(i % 4), 255};
+  EXPECT_EQ(color_points(cloud, {"rgb"}).for_black.g, 110) << "one less";
+  cloud.colors[1] = {17, 0, 0, 255};
+  EXPECT_EQ(color_points(cloud, {"rgb"}).for_black.g, 0) << "dark photographs";
+  cloud.colors = colors;
+  for (Rgba8& c : cloud.colors) c.g = c.b = c.r;
+  EXPECT_EQ(color_points(cloud, {"rgb"}).for_black.g, 0) << "intensities as colours";
 }
 
 TEST(Coloring, HeightsAreSpreadByTheNumberOfPoints) {
