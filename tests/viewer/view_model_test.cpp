@@ -144,17 +144,17 @@ TEST_F(ViewModelTest, RedoFramesWhatWasNeverSeen) {
 TEST_F(ViewModelTest, UndoKeepsTheTechniqueThatWasChosen) {
   Start unsettled = start(write("here.las", 0));
   unsettled.request.technique.clear();
-  unsettled.given = {{"epsilon", "0.1"}};  // which the first technique has not
+  unsettled.given = {{"size_mode", "pixels"}};  // which the first technique has not
   ViewModel model(unsettled);
   model.set_size(320, 200);
   ASSERT_TRUE(wait(model, [&] { return model.scene.loaded() != nullptr; }));
   ASSERT_TRUE(model.request().technique.empty());
   turn(model);
   ASSERT_TRUE(wait(model, [&] { return !model.request().technique.empty(); }));
-  EXPECT_EQ(model.request().technique, "splats");
+  EXPECT_EQ(model.request().technique, "points");
   model.undo();
-  EXPECT_EQ(model.request().technique, "splats");
-  EXPECT_THAT(model.scene.reason(), HasSubstr("has --epsilon"));
+  EXPECT_EQ(model.request().technique, "points");
+  EXPECT_THAT(model.scene.reason(), HasSubstr("has --size-mode"));
 }
 
 // What was named to be shown becomes what is left out, and noise stays so.
