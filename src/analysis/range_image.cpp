@@ -15,8 +15,16 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr float none = std::numeric_limits<float>::infinity();
-/// Of a picture that was thinned at random, every other pixel has no neighbour that normals could come from.
-constexpr double side_by_side = 0.8;
+/// Whether nearly all pixels have a neighbour. Of a picture that was thinned at random, every other one has
+/// none that normals could come from.
+template <class Cell>
+bool are_side_by_side(const std::vector<Cell>& cells, Cell empty) {
+  constexpr double nearly_all = 0.8;
+  std::size_t occupied = 0, beside = 0;
+  for (std::size_t i = 0; i + 1 < cells.size(); ++i)
+    if (cells[i] != empty) ++occupied, beside += cells[i + 1] != empty;
+  return double(beside) >= nearly_all * double(occupied);
+}
 
 /// One view: ranges from its viewpoint and the rays they were measured along.
 class RangeImage {
@@ -54,13 +62,7 @@ class RangeImage {
   std::size_t pixels() const {
     return range_.size() - std::size_t(std::count(range_.begin(), range_.end(), none));
   }
-  /// Whether nearly all have a neighbour, as where nothing was thinned.
-  bool is_side_by_side() const {
-    std::size_t occupied = 0, beside = 0;
-    for (std::size_t cell = 0; cell + 1 < range_.size(); ++cell)
-      if (range_[cell] != none) ++occupied, beside += range_[cell + 1] != none;
-    return double(beside) >= side_by_side * double(occupied);
-  }
+  bool is_side_by_side() const { return are_side_by_side(range_, none); }
   /// Pixels that a neighbour beside and one above or below continue as one surface.
   std::size_t joined() const {
     std::size_t count = 0;
@@ -316,10 +318,7 @@ bool recover_grid(PointCloud& cloud) {
     shared += cloud.positions[first] != cloud.positions[i];
   }
   if (double(shared) > twice * double(n)) return false;
-  std::size_t occupied = 0, beside = 0;
-  for (std::size_t cell = 0; cell + 1 < first_in.size(); ++cell)
-    if (first_in[cell] != nowhere) ++occupied, beside += first_in[cell + 1] != nowhere;
-  if (double(beside) < side_by_side * double(occupied)) return false;
+  if (!are_side_by_side(first_in, nowhere)) return false;
   cloud.grid_index = std::move(cells);
   cloud.grids = {{0, n, std::uint32_t(columns->count), std::uint32_t(rows->count), dvec3(0)}};
   return true;
