@@ -167,7 +167,7 @@ struct PreparedCloud {
   /// empty: never measured.
   std::vector<float> support;
   int neighbors = 24;  ///< that computed attributes were measured from
-  /// analysis::surface_share_of: places and attributes of the file decide, which copies have in common.
+  /// analysis::surface_share_of: places, pictures and attributes of the file decide, which copies share.
   MadeOnce<SurfaceShare> surface_share;
   std::optional<DepthPictures> pictures;  ///< which the cloud was when it was sorted
   /// What spacings are stored in as halves: the power of two near the median; any other rounds the same.
