@@ -171,9 +171,9 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
   };
   view.framed = std::min(closed_share(open, side), closed_share(open_coarse, coarse));
   const double nearest_depth = value_at_share(depths, 0.02);  // moves them
-  view.ahead = glm::all(glm::lessThan(low, glm::dvec2(0))) &&
-               glm::all(glm::greaterThan(high, glm::dvec2(0))) &&
-               nearest_depth > near * value_at_share(depths, 0.5);
+  view.is_beside = glm::any(glm::greaterThanEqual(low, glm::dvec2(0))) ||
+                   glm::any(glm::lessThanEqual(high, glm::dvec2(0)));
+  view.ahead = !view.is_beside && nearest_depth > near * value_at_share(depths, 0.5);
   return view;
 }
 

@@ -15,6 +15,8 @@ struct SensorView {
   /// Something is to both sides of straight ahead, above and below it, and nothing at the eye: a camera is so
   /// before what it sees, no origin is below what stands on it.
   bool ahead = false;
+  /// All is to one side of straight ahead: no picture of a whole scene, but perhaps a part of one.
+  bool is_beside = false;
   double width = 0;  ///< of what appears at a distance of 1, or its height where that is more
   /// Less than 3 degrees: no camera looks through such a window, the origin of a map does.
   bool is_narrow() const { return !(width > 0.05); }

@@ -45,6 +45,7 @@ enum class UpEvidence {
   reaches,   ///< one column, a stem or a wall, holds points at all its heights
   lidar,     ///< a lidar turned about it
   ground,    ///< more of what is level lies below that lidar than above
+  placed,    ///< its lowest place is at 0 of the axis, and 0 in the middle of it across
   count
 };
 

@@ -619,7 +619,7 @@ TEST(Upright, NoWallIsAsHighAsAMapIsWide) {
   PointCloud map;  // streets and blocks
   for (int x = -100; x < 100; ++x)
     for (int z = -75; z < 75; ++z)
-      map.positions.push_back({float(x), x % 20 < 6 && z % 20 < 6 ? 20 + 0.1f * float(x % 7) : 0, float(z)});
+      map.positions.push_back({float(x), x % 20 < 6 && z % 20 < 6 ? 18 + 0.1f * float(x % 7) : -2, float(z)});
   map.up = UpAxis::pos_z;
   EXPECT_EQ(guess_upright(map).up, UpAxis::pos_y);
   for (vec3& p : map.positions) p *= 0.1f;
@@ -801,6 +801,58 @@ TEST(Upright, ObjKeepsItsConventionWherePlyDoesNot) {
   PointCloud ground = street_sweep();
   ground.up = UpAxis::pos_y, ground.provenance = Provenance::model;
   EXPECT_EQ(guess_upright(ground).up, UpAxis::pos_z) << "what is clear stays so";
+}
+
+// An egg on its base, as somebody placed it: the base at 0, and 0 in the middle.
+TEST(Upright, WhatBeginsAtZeroWasPlacedThere) {
+  std::mt19937 random(53);
+  std::normal_distribution<float> normal;
+  PointCloud egg;
+  while (egg.size() < 20'000)
+    egg.positions.push_back(vec3(1, 1.3f, 0.8f) *
+                            glm::normalize(vec3(normal(random), normal(random), normal(random))));
+  for (const UpAxis up : {UpAxis::pos_y, UpAxis::pos_z}) {
+    PointCloud placed = egg;
+    const int axis = int(up) / 2;
+    float lowest = 0;
+    for (const vec3& p : egg.positions) lowest = std::min(lowest, p[axis]);
+    for (vec3& p : placed.positions) p[axis] -= lowest;
+    placed.up = UpAxis::pos_y;
+    const Upright guess = guess_upright(placed);
+    EXPECT_EQ(guess.up, up) << guess.reason;
+    const auto evidence = [&](const PointCloud& cloud) {
+      for (const UpCandidate& each : up_candidates(cloud))
+        if (each.up == up) return each.evidence[std::size_t(UpEvidence::placed)];
+      return -1.0;
+    };
+    EXPECT_EQ(evidence(placed), 1);
+    PointCloud aside = placed;
+    for (vec3& p : aside.positions) p[(axis + 1) % 3] += 2;
+    EXPECT_EQ(evidence(aside), 0);
+    EXPECT_EQ(evidence(egg), 0);
+  }
+}
+
+// A roof in a box from 0 to 1, as data sets have them, lies before the origin along every axis.
+TEST(Upright, WhatLiesAsideIsSeldomAPicture) {
+  std::mt19937 random(54);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud roof;
+  for (int i = 0; i < 4000; ++i) {
+    const float x = unit(random), y = unit(random);
+    roof.positions.push_back({0.9f * x, 0.28f + 0.63f * y, 0.77f + 0.23f * (1 - std::abs(2 * y - 1))});
+  }
+  roof.up = UpAxis::pos_y;  // by the convention of PLY
+  EXPECT_EQ(guess_upright(roof).up, UpAxis::pos_z) << guess_upright(roof).reason;
+  const auto as_seen = [&] {
+    double sum = 0;
+    for (const UpCandidate& each : up_candidates(roof))
+      if (int(each.up) / 2 == 1) sum += each.evidence[std::size_t(UpEvidence::camera)];
+    return sum;
+  };
+  const double beside = as_seen();
+  for (vec3& p : roof.positions) p -= vec3(0.45f, 0.6f, 0);
+  EXPECT_NEAR(as_seen(), 2.5 * beside, 0.1) << "all around where a camera would look";
 }
 
 // The front of a head, open behind: its normals point to the viewer, which is no way up.
