@@ -192,7 +192,7 @@ class FieldLines final : public LineGrammar {
     const char *at = line.data(), *end = at + line.size();
     for (const PcdField& field : header_.fields)
       for (std::size_t k = 0; k < field.count; ++k) {
-        const double value = next_number(at, end, field.name);
+        const double value = next_value(at, end, field);
         if (field.is_packed_color()) {
           const std::uint32_t rgb = bits(field, value);
           *row++ = rgb >> 16 & 255, *row++ = rgb >> 8 & 255, *row++ = rgb & 255;
@@ -204,6 +204,16 @@ class FieldLines final : public LineGrammar {
   }
 
  private:
+  /// Numbers of one byte are written as that character by some programs, such as streams of C++.
+  static double next_value(const char*& at, const char* end, const PcdField& field) {
+    const char* own = at < end && *at == ' ' ? at + 1 : at;
+    const bool is_character = field.size == 1 && own < end && !is_blank(*own) && (*own < '0' || *own > '9') &&
+                              (own + 1 == end || is_blank(own[1]));
+    if (!is_character) return next_number(at, end, field.name);
+    at = own + 1;
+    return field.type == 'U' ? double(static_cast<unsigned char>(*own))
+                             : double(static_cast<signed char>(*own));
+  }
   /// Under type F programs write the float whose bits are the colour (tiny, or negative with alpha) or the
   /// colour as a whole number; no colour without alpha reaches 1 as a float.
   static std::uint32_t bits(const PcdField& field, double value) {

@@ -111,7 +111,9 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
       const Commas commas = commas_of(line);
       found.has_decimal_commas = found.has_decimal_commas || commas == Commas::decimal;
       found.has_separating_commas = found.has_separating_commas || commas == Commas::separating;
-      found.has_empty_tabs = found.has_empty_tabs || line.find("\t\t") != std::string_view::npos;
+      // Where semicolons separate, tabs are blanks.
+      found.has_empty_tabs = found.has_empty_tabs || (line.find("\t\t") != std::string_view::npos &&
+                                                      line.find(';') == std::string_view::npos);
       found.are_words.resize(std::max(found.are_words.size(), words.size()));
       for (std::size_t k = 0; k < words.size(); ++k)
         found.are_words[k] = found.are_words[k] || (read.are_words[k] && k >= wanted);

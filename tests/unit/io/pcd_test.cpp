@@ -46,6 +46,17 @@ TEST(PcdTest, TheFirstPointMayFollowTheWordAsciiAtOnce) {
   EXPECT_EQ(cloud.world(1), dvec3(4, 5, 6));
 }
 
+TEST(PcdTest, BytesOfAsciiMayBeCharacters) {
+  const auto head = header("x y z tag line", "4 4 4 1 1", "F F F U I", "1 1 1 1 1", 3, 1, "ascii");
+  const auto file = write_file("bytes.pcd", head + "1 2 3 \x10 \xfe\n4 5 6 \x80 7\r\n7 8 9  16   -2\n");
+  const PointCloud cloud = io::read(file).cloud;
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(cloud.world(2), dvec3(7, 8, 9));
+  EXPECT_EQ(cloud.scalar("tag")->values, (std::vector<float>{16, 128, 16}));
+  EXPECT_EQ(cloud.scalar("line")->values, (std::vector<float>{-2, 7, -2}));
+  EXPECT_THROW(io::read(write_file("words.pcd", head + "1 2 3 ab c\n4 5 6 7 8\n4 5 6 7 8\n")), Error);
+}
+
 TEST(PcdTest, RowsOfNumbersWithoutAHeaderAreText) {
   for (const char* name : {"rows.pcd", "rows.ply"}) {
     const auto file = write_file(name, "-0.5 1 2 \n3 4 5\n6 7 8\n");

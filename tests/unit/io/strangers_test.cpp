@@ -413,6 +413,9 @@ TEST(StrangersKinds, WordsAnywhereArePassedOver) {
     EXPECT_EQ(read_text(text).cloud.positions, (std::vector<vec3>{{1.5, 2.5, 3.5}, {4.5, 5.5, 6.5}})) << text;
   // Empty cells between tabs.
   EXPECT_EQ(read_text("x\ty\tz\ti\tj\n1\t2\t3\t\t5\n").cloud.scalar("j")->value(0), 5);
+  const io::ReadResult semicolons = read_text("1;2;-5.5\t\t\r\n4;5;-6\t\t\r\n");
+  ASSERT_EQ(semicolons.cloud.size(), 2u);
+  EXPECT_EQ(semicolons.cloud.world(0), dvec3(1, 2, -5.5)) << "tabs behind them are blanks";
 }
 
 TEST(StrangersKinds, ColumnsByAllOfTheirNumbers) {
