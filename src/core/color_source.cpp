@@ -15,9 +15,15 @@
 namespace sfumato {
 namespace {
 
+bool is_color(const Rgba8& c) { return c != no_color && (c.r != 0 || c.g != 0 || c.b != 0); }
+
 bool has_colors(const PointCloud& cloud) {
-  return std::any_of(cloud.colors.begin(), cloud.colors.end(),
-                     [](const Rgba8& c) { return c != no_color && (c.r != 0 || c.g != 0 || c.b != 0); });
+  return std::any_of(cloud.colors.begin(), cloud.colors.end(), is_color);
+}
+
+/// Whether most points have one: black is what programs write where they know none.
+bool are_colored(const PointCloud& cloud) {
+  return 2 * std::count_if(cloud.colors.begin(), cloud.colors.end(), is_color) > std::ptrdiff_t(cloud.size());
 }
 
 /// Whether colours tell places apart: more than one point in a hundred is not of the middle colour.
@@ -116,14 +122,15 @@ bool are_coherent(const PointCloud& cloud) {
   return is_coherent(cloud, &grey);
 }
 
-/// Much wider than high: land, a street, a floor, where height tells most. Objects are of clay.
+/// A place on a map, or much wider than high: land, a street, a floor, where height tells most. Objects are
+/// of clay, and so is what has no height.
 bool is_land(const PointCloud& cloud) {
   const dvec3 size = robust_bounds(cloud).size(), up = glm::abs(up_vector(cloud.up));
   const double height = glm::dot(size, up);
   double narrow = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k)
     if (up[k] < 0.5) narrow = std::min(narrow, size[k]);
-  return narrow > 0 && height < 0.4 * narrow;
+  return height > 0 && (!cloud.crs.empty() || height < 0.4 * narrow);
 }
 
 bool is_label(std::string_view name) {
@@ -189,7 +196,7 @@ bool names_things(const ScalarField& field) {
 
 std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by) {
   if (color_by == "auto") {
-    const bool colored = has_colors(cloud) && are_coherent(cloud);
+    const bool colored = are_colored(cloud) && are_coherent(cloud);
     if (colored && vary(cloud.colors)) return "rgb";
     if (is_land(cloud)) return "elevation";
     if (is_coherent(cloud, cloud.scalar("intensity"))) return "intensity";

@@ -1,7 +1,9 @@
 #include "io/io.h"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
+#include <tuple>
 
 #include "core/counted.h"
 #include "core/lower_case.h"
@@ -117,23 +119,31 @@ const Format& find_format(const std::filesystem::path& file) {
       file.string() + ": not a point cloud format I know; convert it to one of " + all_extensions(false));
 }
 
+/// So many records in one place are no chance.
+constexpr std::size_t few_in_one_place = 3;
+
+template <class Predicate>
+void leave_out(ReadResult& result, const Predicate& is_nothing) {
+  PointCloud& cloud = result.cloud;
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (!is_nothing(cloud.positions[i])) kept.push_back(std::uint32_t(i));
+  const std::uint64_t left_out = cloud.size() - kept.size();
+  cloud = select(cloud, kept);
+  result.report.points_finite -= left_out, result.report.points_dropped += left_out;
+}
+
 /// Records that a driver writes where nothing came back, as 0 0 0: at a scanner at the origin any, elsewhere
 /// more than a few on exactly that place.
 void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin) {
-  constexpr std::size_t few = 3;
   PointCloud& cloud = result.cloud;
   ReadReport& report = result.report;
   for (int k = 0; k < 3; ++k)
     if (report.bounds_min[k] > 0 || report.bounds_max[k] < 0) return;
   const vec3 zero(-cloud.origin);
   const auto zeros = std::size_t(std::count(cloud.positions.begin(), cloud.positions.end(), zero));
-  if (zeros <= (has_scanner_at_origin ? 0 : few) || zeros == cloud.size()) return;
-  std::vector<std::uint32_t> kept;
-  kept.reserve(cloud.size() - zeros);
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (cloud.positions[i] != zero) kept.push_back(std::uint32_t(i));
-  cloud = select(cloud, kept);
-  report.points_finite -= zeros, report.points_dropped += zeros;
+  if (zeros <= (has_scanner_at_origin ? 0 : few_in_one_place) || zeros == cloud.size()) return;
+  leave_out(result, [&](const vec3& p) { return p == zero; });
   const Bounds box = bounds(cloud);
   for (int k = 0; k < 3; ++k) {
     if (report.bounds_min[k] == 0) report.bounds_min[k] = box.min[k];
@@ -141,6 +151,47 @@ void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin) {
   }
   report.notes.push_back(counted(zeros, "record") + (zeros == 1 ? " is" : " are") +
                          " 0 0 0, as scanners write where nothing returned: left out");
+}
+
+/// Places that many records share exactly, and that are farther from the box of all others than that is long:
+/// no thing was measured there.
+std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
+  constexpr std::size_t sample_size = 65'536;
+  constexpr double many = 0.001;  // of all
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
+  std::vector<vec3> sample;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.positions[i]);
+  std::sort(sample.begin(), sample.end(),
+            [](const vec3& a, const vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+  const std::size_t most = std::max<std::size_t>(few_in_one_place, std::size_t(many * double(sample.size())));
+  std::vector<vec3> shared;
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  vec3 low(infinite), high(-infinite);  // of the others
+  for (std::size_t i = 0, end; i < sample.size(); i = end) {
+    for (end = i; end < sample.size() && sample[end] == sample[i];) ++end;
+    if (end - i > most)
+      shared.push_back(sample[i]);
+    else
+      low = glm::min(low, sample[i]), high = glm::max(high, sample[i]);
+  }
+  std::erase_if(shared, [&](const vec3& p) {
+    const vec3 away = glm::max(low - p, p - high);
+    return !(std::max({away.x, away.y, away.z}) > glm::distance(low, high)) || low.x == infinite;
+  });
+  return shared;
+}
+
+void leave_out_nothing(ReadResult& result) {
+  const std::vector<vec3> places = places_of_nothing(result.cloud);
+  if (places.empty()) return;
+  const std::size_t before = result.cloud.size();
+  leave_out(result,
+            [&](const vec3& p) { return std::find(places.begin(), places.end(), p) != places.end(); });
+  const Bounds box = bounds(result.cloud);
+  result.report.bounds_min = box.min, result.report.bounds_max = box.max;
+  result.report.notes.push_back(counted(before - result.cloud.size(), "record") + " in " +
+                                counted(places.size(), "place") +
+                                " far from all others, where nothing returned: left out");
 }
 
 /// What COLMAP found has the axes of a camera, y down, or of those that it placed around it.
@@ -181,8 +232,10 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of these are no returns.
   if (result.cloud.provenance == Provenance::unknown && format.name != "e57" && format.name != "vtk" &&
-      format.name != "vtp" && format.name != "grid")
+      format.name != "vtp" && format.name != "grid") {
     leave_out_no_returns(result, format.name == "kitti");
+    leave_out_nothing(result);
+  }
   stand_as_pictures(file, format, result);
   if (options.samples_faces) sample_faces(std::move(faces), result, progress);
   if (options.max_points && result.cloud.size() > *options.max_points)

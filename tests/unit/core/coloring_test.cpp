@@ -175,7 +175,9 @@ TEST(Coloring, AutoFallsFromColourToIntensityToClay) {
   cloud.colors.assign(4, {0, 0, 0, 255});
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity") << "all zero means no colour";
   EXPECT_THROW(resolve_color_by(cloud, "rgb"), Error) << "asked for by name, it is not drawn black either";
-  cloud.colors[2].g = 100;
+  cloud.colors[1].g = cloud.colors[2].g = 100;
+  EXPECT_EQ(resolve_color_by(cloud, "auto"), "intensity") << "half of it has none";
+  cloud.colors[3].g = 100;
   EXPECT_EQ(resolve_color_by(cloud, "auto"), "rgb");
 }
 
@@ -281,6 +283,11 @@ TEST(Coloring, LandWithoutColourShowsItsHeight) {
   land.colors.clear();
   for (vec3& p : land.positions) p.z *= 20;  // a thing
   EXPECT_EQ(resolve_color_by(land, "auto"), "intensity");
+  land.crs = "EPSG:2056";  // towers along a street
+  EXPECT_EQ(resolve_color_by(land, "auto"), "elevation");
+  for (vec3& p : land.positions) p.z = 1;
+  land.scalars.clear();
+  EXPECT_EQ(resolve_color_by(land, "auto"), "clay") << "no height at all";
 }
 
 TEST(Coloring, ClayIsOneNeutralColour) {

@@ -583,5 +583,27 @@ TEST(StrangersKinds, PointsOfColmapStandAsTheirPictures) {
   std::filesystem::remove_all(folder);
 }
 
+// A panoramic camera's driver writes -1e6 times the layer where nothing came back.
+TEST(Strangers, PlacesFarFromAllOthersThatManyShareAreNoPoints) {
+  const auto read_with = [](int copies, double away) {
+    std::string text;
+    for (int i = 0; i < 1000; ++i)
+      text += std::to_string(i % 10 + 0.5) + " " + std::to_string(i / 10 % 10) + " " +
+              std::to_string(i / 100) + "\n";
+    const std::string far = std::to_string(-away);
+    for (int i = 0; i < copies; ++i) text += far + " " + far + " 1\n" + far + " " + far + " 2\n";
+    return io::read(write_file("far.xyz", text));
+  };
+  const io::ReadResult markers = read_with(300, 1e6);
+  EXPECT_EQ(markers.cloud.size(), 1000u);
+  EXPECT_EQ(markers.report.points_dropped, 600u);
+  EXPECT_EQ(markers.report.points_finite, 1000u);
+  EXPECT_EQ(markers.report.bounds_min, dvec3(0.5, 0, 0));
+  ASSERT_FALSE(markers.report.notes.empty());
+  EXPECT_NE(markers.report.notes.back().find("600 records in 2 places"), std::string::npos);
+  EXPECT_EQ(read_with(3, 1e6).cloud.size(), 1006u) << "a few may be strays";
+  EXPECT_EQ(read_with(300, 10).cloud.size(), 1600u) << "no farther than all is long";
+}
+
 }  // namespace
 }  // namespace sfumato
