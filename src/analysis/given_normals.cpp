@@ -14,7 +14,7 @@
 namespace sfumato::analysis {
 namespace {
 
-constexpr std::size_t given_places = 1024, fewest_given = 64;
+constexpr std::size_t given_places = 1024, fewest_given = 24;
 /// Radians and times the error of computed ones, medians over the flat places. Of 28 public files with
 /// normals, those of meshes and of well-made scans scatter by 0 to 2.0 degrees, four others by 4.4 to 25, 5
 /// to 12 times what 24 neighbours are off.

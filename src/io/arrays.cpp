@@ -144,6 +144,22 @@ class NpyHeader {
     for (Column& column : array_.columns) column.stride = std::size_t(array_.record);
     array_.by_column = false;
     array_.has_names = true;
+    if (is_cloud_) name_records();
+  }
+
+  /// As --columns says, or where NumPy named them (f0, f1, ...) by their places.
+  void name_records() {
+    std::vector<Column>& columns = array_.columns;
+    std::vector<std::string> names = options_.columns;
+    if (names.empty()) {
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        if (columns[k].name != "f" + std::to_string(k)) return;
+      names = {"x", "y", "z"};
+    } else if (names.size() != columns.size()) {
+      throw Error(ErrorCode::usage, file_.path().string() + ": has " + std::to_string(columns.size()) +
+                                        " columns, --columns names " + std::to_string(names.size()));
+    }
+    for (std::size_t k = 0; k < std::min(names.size(), columns.size()); ++k) columns[k].name = names[k];
   }
 
   StoredType element(std::string_view text) {

@@ -142,6 +142,20 @@ TEST(WideNormals, GivenNormalsThatAreRougherThanComputedOnesAreComputed) {
   }
 }
 
+// A noisy thing is flat in few places; thirty that agree are enough.
+TEST(WideNormals, GivenNormalsAreAskedWhereFewPlacesAreFlat) {
+  std::mt19937 random(4);
+  std::normal_distribution<float> any;
+  PointCloud cloud = cloud_of(noisy_square(0.2f));
+  const std::size_t flat = cloud.size();
+  for (std::size_t i = 0; i < 30 * flat; ++i)  // a filled ball beside it
+    cloud.positions.push_back(vec3(1000) + 40.0f * std::cbrt(float(i + 1) / float(30 * flat)) *
+                                               glm::normalize(vec3(any(random), any(random), any(random))));
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.normals.push_back(glm::normalize(vec3(any(random), any(random), any(random))));
+  EXPECT_TRUE(prepare(cloud, Attribute::normal, {}).computed.has(Attribute::normal));
+}
+
 TEST(WideNormals, GivenNormalsOfWhatBendsStay) {
   PointCloud cloud = cloud_of(noisy_sphere(2'000, 1, 0));  // 0.08 apart: neighbours turn by 13 degrees
   for (const vec3& p : cloud.positions) cloud.normals.push_back(glm::normalize(p));

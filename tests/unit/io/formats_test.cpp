@@ -174,6 +174,17 @@ TEST(Npy, RowsColumnsAndRecords) {
           .cloud;
   EXPECT_EQ(records.positions.at(1), vec3(4, 5, 6));
   EXPECT_EQ(records.scalar("ring")->value(1), 6);
+  // NumPy's own names say nothing.
+  const std::string unnamed = npy("[('f0', '<f4'), ('f1', '<f4'), ('f2', '<f4'), ('f3', '|u1')]", "1,",
+                                  test::bytes_of(1.0f, 2.0f, 3.0f) + "\x05");
+  const PointCloud by_place = io::read(test::write_file("h.npy", unnamed)).cloud;
+  EXPECT_EQ(by_place.positions.at(0), vec3(1, 2, 3));
+  EXPECT_EQ(by_place.scalar("f3")->value(0), 5);
+  io::ReadOptions named;
+  named.columns = {"z", "y", "x", "ring"};
+  EXPECT_EQ(io::read(test::write_file("h.npy", unnamed), named).cloud.positions.at(0), vec3(3, 2, 1));
+  named.columns = {"x", "y", "z"};
+  EXPECT_THROW(io::read(test::write_file("h.npy", unnamed), named), Error);
   // Fields of several numbers, as structured arrays of other programs have them.
   const std::string fields =
       npy("[('xyz', '<f4', (3,)), ('normal', '<f4', (3,)), ('rgb', '|u1', (3,)), ('pair', '|u1', (1, 2)), "

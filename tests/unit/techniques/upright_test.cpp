@@ -691,6 +691,26 @@ TEST(Upright, RowsOfAPictureRunDownwards) {
       }
 }
 
+// Rows that run down and a ceiling that looks like a floor: one is wrong, and the other a guess.
+TEST(Upright, RowsAndFloorsThatDisagreeMakeAGuess) {
+  for (const float floor : {1.0f, -1.0f}) {
+    PointCloud seen;
+    seen.up = UpAxis::pos_z;
+    for (int row = -60; row <= 60; ++row)
+      for (int column = -80; column <= 80; ++column) {
+        const float down = 0.008f * float(row), far = 4;
+        // A wall 4 m away, and what is level 1 m below, or above, the camera.
+        const float depth = down * floor > 0 ? std::min(far, 1 / std::abs(down)) : far;
+        seen.positions.push_back(depth * vec3(0.006f * float(column), down, 1));
+        seen.grid_index.push_back(std::uint32_t(seen.grid_index.size()));
+      }
+    seen.grids = {{0, seen.size(), 161, 121, {}}};
+    const Upright guess = guess_upright(seen);
+    EXPECT_EQ(guess.reason.rfind("guessed: ", 0) == 0, floor < 0) << guess.reason;
+    if (floor > 0) EXPECT_EQ(guess.up, UpAxis::neg_y);
+  }
+}
+
 TEST(Upright, TablesStayOnTheirFeet) {
   std::mt19937 random(13);
   std::uniform_real_distribution<float> unit(0, 1);
