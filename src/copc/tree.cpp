@@ -132,7 +132,7 @@ io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& node
   if (tree.tiled) {
     std::vector<io::Tile> tiles;
     for (std::size_t i : in_order) tiles.push_back(tree.tiled->tiles[i]);
-    return tree.tiled->read(tiles, progress);
+    return tree.tiled->read(tiles, progress, nullptr);
   }
   std::vector<io::las::LazChunk> chunks;
   for (std::size_t i : in_order) chunks.push_back(tree.nodes[i].chunk);

@@ -318,8 +318,9 @@ std::pair<double, double> middle_of(const std::vector<dvec3>& points, int axis) 
 
 }  // namespace
 
-void CloudBuilder::finish_positions(const dvec3& min, const dvec3& max, PointCloud& cloud) {
-  cloud.origin = choose_origin(min, max, !wide_positions_);
+void CloudBuilder::finish_positions(const dvec3& min, const dvec3& max, const Choices* chosen,
+                                    PointCloud& cloud) {
+  cloud.origin = chosen ? chosen->origin : choose_origin(min, max, !wide_positions_);
   if (wide_positions_) {
     // A stray point far off must not take the digits of all others: then the origin is where most points are.
     dvec3 low = min, high = max;
@@ -327,7 +328,8 @@ void CloudBuilder::finish_positions(const dvec3& min, const dvec3& max, PointClo
     const auto extent = [](const dvec3& a, const dvec3& b) {
       return std::max({b.x - a.x, b.y - a.y, b.z - a.z});
     };
-    if (extent(min, max) > 1000 * extent(low, high)) cloud.origin = choose_origin(low, high, false);
+    if (!chosen && extent(min, max) > 1000 * extent(low, high))
+      cloud.origin = choose_origin(low, high, false);
     allocate(cloud.positions, world_.size());
     for (std::size_t i = 0; i < world_.size(); ++i) cloud.positions[i] = vec3(world_[i] - cloud.origin);
     world_ = {};
@@ -376,7 +378,8 @@ std::string coarse_floats(const PointCloud& cloud) {
 
 }  // namespace
 
-void CloudBuilder::finish_colors(const std::vector<Stats>& stats, ReadReport& report) {
+void CloudBuilder::finish_colors(const std::vector<Stats>& stats, const Choices* chosen, ReadReport& report) {
+  choices_.has_colors = !colors_.empty();
   if (raw_colors_.empty()) return;
   const auto are_integers = [&](std::initializer_list<int> group) {
     return std::all_of(group.begin(), group.end(),
@@ -396,13 +399,13 @@ void CloudBuilder::finish_colors(const std::vector<Stats>& stats, ReadReport& re
     const auto whole = [](float value) { return std::uint32_t(std::clamp(value, 0.0f, 65535.0f)); };
     depth.add(whole(c.x), whole(c.y), whole(c.z));
   }
-  if (absent == raw_colors_.size()) {
+  if (absent == raw_colors_.size() && !chosen) {
     raw_colors_ = {};
     return;
   }
   const bool are_fractions = !are_integers({color_[0], color_[1], color_[2]}) && fractions >= 99 * others;
   const int bits = std::max(8, depth.bits());
-  const float color_factor = are_fractions ? 255.0f : float(std::exp2(8 - bits));
+  float color_factor = are_fractions ? 255.0f : float(std::exp2(8 - bits));
   float alpha_factor = 1;
   if (alpha_ >= 0) {
     const double largest = stats[std::size_t(alpha_)].max;
@@ -410,6 +413,10 @@ void CloudBuilder::finish_colors(const std::vector<Stats>& stats, ReadReport& re
                    : largest <= 255                                       ? 1.0f
                                                                           : 1 / 256.0f;
   }
+  // A sample without colours is no reason to leave out those of a part.
+  if (chosen && chosen->has_colors) color_factor = chosen->color_factor, alpha_factor = chosen->alpha_factor;
+  if (chosen && !chosen->has_colors) color_factor = 1 / 256.0f;
+  choices_.has_colors = true, choices_.color_factor = color_factor, choices_.alpha_factor = alpha_factor;
   const auto byte = [](float value, float scale) {
     const float scaled = scale < 1 ? value * scale : value * scale + 0.5f;  // 16 bit: >> 8, others rounded
     return scaled > 0 ? std::uint8_t(std::min(scaled, 255.0f)) : std::uint8_t(0);  // NaN: 0
@@ -428,11 +435,11 @@ void CloudBuilder::finish_colors(const std::vector<Stats>& stats, ReadReport& re
                            " no colour beside those that have: white");
   if (!are_fractions && bits == 12)
     report.notes.emplace_back("the colours hold 0 to 4095 and are taken as 12-bit");
-  if (const std::uint64_t beyond = depth.beyond(); !are_fractions && beyond > 0)
+  if (const std::uint64_t beyond = depth.beyond(bits); !are_fractions && beyond > 0)
     report.notes.push_back(beyond_bits(beyond, bits));
 }
 
-void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
+void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result, const Choices* chosen) {
   std::vector<Stats> stats(columns_.size());
   ReadReport& report = result.report;
   for (const Cursor& cursor : cursors) {
@@ -457,13 +464,14 @@ void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
     report.attributes.push_back(attribute);
   }
   PointCloud& cloud = result.cloud;
-  finish_positions(report.bounds_min, report.bounds_max, cloud);
+  finish_positions(report.bounds_min, report.bounds_max, chosen, cloud);
+  choices_.origin = cloud.origin;
   const bool of_floats = std::any_of(std::begin(xyz_), std::end(xyz_), [&](int column) {
     return columns_[std::size_t(column)].stored == StoredType::float32;
   });
   if (of_floats && !wide_positions_)
     if (std::string note = coarse_floats(cloud); !note.empty()) report.notes.push_back(std::move(note));
-  finish_colors(stats, report);
+  finish_colors(stats, chosen, report);
   cloud.normals = std::move(normals_);
   cloud.colors = std::move(colors_);
   cloud.grid_index = std::move(places_);
@@ -472,12 +480,16 @@ void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result) {
     if (field.attribute) {
       cloud.*field.attribute = std::move(field.narrow);
     } else if (is_wide(column.stored)) {
-      cloud.scalars.push_back(make_scalar(column.name, column.stored, field.wide, stats[field.column]));
+      const std::size_t k = cloud.scalars.size();
+      const auto offset = chosen ? std::optional(chosen->offsets[k]) : std::nullopt;
+      cloud.scalars.push_back(
+          make_scalar(column.name, column.stored, field.wide, stats[field.column], offset));
       field.wide = {};
     } else {
       cloud.scalars.push_back({column.name, 0, std::move(field.narrow), column.stored});
     }
   }
+  for (const ScalarField& field : cloud.scalars) choices_.offsets.push_back(field.offset);
 }
 
 }  // namespace sfumato::io

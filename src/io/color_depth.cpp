@@ -26,9 +26,9 @@ int ColorDepth::bits() const {
   return largest > largest_of(12) || are_shifted_ || are_repeated_ ? 16 : 12;
 }
 
-std::uint64_t ColorDepth::beyond() const {
+std::uint64_t ColorDepth::beyond(int bits) const {
   std::uint64_t points = 0;
-  for (std::size_t value = std::size_t(largest_of(std::max(8, bits()))) + 1; value < counts_.size(); ++value)
+  for (std::size_t value = std::size_t(largest_of(std::max(8, bits))) + 1; value < counts_.size(); ++value)
     points += counts_[value];
   return points;
 }

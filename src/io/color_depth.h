@@ -17,8 +17,8 @@ class ColorDepth {
   /// within the bits: a few odd values decide nothing. 16 bits that were made of 8 are multiples of 256 or
   /// 257, however dark.
   int bits() const;
-  /// Points beyond the bits.
-  std::uint64_t beyond() const;
+  /// Points beyond so many bits (0: 8).
+  std::uint64_t beyond(int bits) const;
 
  private:
   std::vector<std::uint32_t> counts_;  ///< of points by their largest channel

@@ -167,9 +167,9 @@ std::string short_text(double number) {
 }
 
 ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values,
-                        const Stats& stats) {
-  ScalarField field{std::move(name), 0, {}, type};
-  if (stats.count > 0) {
+                        const Stats& stats, std::optional<double> offset) {
+  ScalarField field{std::move(name), offset.value_or(0), {}, type};
+  if (stats.count > 0 && !offset) {
     const double largest = std::max(std::abs(stats.min), std::abs(stats.max)), range = stats.max - stats.min;
     if (largest > 16 * range || (is_integer(type) && largest > 0x1p24)) {
       // Float holds what all values share? Then no offset is needed; else the middle, whole for whole

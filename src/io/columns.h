@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,8 +57,9 @@ struct Stats {
 dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float);
 
 /// Chooses the offset of the scalar field: zero unless float would lose digits that the file has.
+/// `offset`: that which was chosen for another part of the file.
 ScalarField make_scalar(std::string name, StoredType type, const std::vector<double>& values,
-                        const Stats& stats);
+                        const Stats& stats, std::optional<double> offset = {});
 
 /// Two digits, for notes.
 std::string short_text(double number);
@@ -80,8 +82,18 @@ class CloudBuilder {
   /// Records [first, first + count) of `block`; `place` is the record number of the first of them.
   void decode(Cursor& cursor, const std::byte* block, std::size_t first, std::size_t count,
               std::uint64_t place);
-  /// Closes the gaps that dropped points left, chooses origin and offsets, fills cloud and report.
-  void finish(std::vector<Cursor>& cursors, ReadResult& result);
+  /// What is chosen by the numbers that a file holds; the offsets are those of its scalars, in their order.
+  struct Choices {
+    dvec3 origin{0};
+    bool has_colors = false;
+    float color_factor = 1, alpha_factor = 1;
+    std::vector<double> offsets;
+  };
+  /// Closes the gaps that dropped points left, chooses origin and offsets, fills cloud and report. `chosen`:
+  /// before, for another part of the file.
+  void finish(std::vector<Cursor>& cursors, ReadResult& result, const Choices* chosen = nullptr);
+  /// Once it is finished.
+  const Choices& choices() const { return choices_; }
 
   const std::vector<Column>& columns() const { return columns_; }
 
@@ -105,10 +117,11 @@ class CloudBuilder {
   template <class T>
   void decode_values(Cursor& cursor, const Batch& batch, std::size_t column, std::vector<T>& out);
   void close_gaps(const std::vector<Cursor>& cursors);
-  void finish_positions(const dvec3& min, const dvec3& max, PointCloud& cloud);
-  void finish_colors(const std::vector<Stats>& stats, ReadReport& report);
+  void finish_positions(const dvec3& min, const dvec3& max, const Choices* chosen, PointCloud& cloud);
+  void finish_colors(const std::vector<Stats>& stats, const Choices* chosen, ReadReport& report);
 
   std::vector<Column> columns_;
+  Choices choices_;
   bool swap_ = false;
   int xyz_[3], normal_[3], color_[3], alpha_ = -1;  ///< columns; -1: none
   bool wide_positions_ = false, byte_colors_ = false, keep_places_ = false;

@@ -160,12 +160,12 @@ TiledScan open_ept(const std::filesystem::path& path, Progress& progress) {
   const auto file_of = [=](const Tile& tile) {
     return beside(path, "ept-data/" + tile.name + (is_laz ? ".laz" : is_packed ? ".zst" : ".bin"));
   };
-  scan.read = [=, crs = scan.crs](const std::vector<Tile>& tiles, Progress& watch) {
+  scan.read = [=, crs = scan.crs](const std::vector<Tile>& tiles, Progress& watch, TileChoices* choices) {
     ReadResult result;
     if (is_laz) {
       std::vector<std::filesystem::path> files;
       for (const Tile& tile : tiles) files.push_back(file_of(tile));
-      result = read_las_tiles(files, watch);
+      result = read_las_tiles(files, watch, choices);
     } else {
       result = read_tiles(
           path, layout, tiles,
@@ -178,7 +178,7 @@ TiledScan open_ept(const std::filesystem::path& path, Progress& progress) {
             file.read(0, bytes);
             return is_packed ? unpack_zstd(file.path(), bytes, std::size_t(size)) : bytes;
           },
-          watch);
+          watch, choices);
     }
     if (!crs.empty()) result.cloud.crs = result.report.crs = crs;
     return result;

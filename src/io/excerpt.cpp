@@ -125,17 +125,7 @@ std::optional<ReadResult> excerpt_laz(const std::filesystem::path& path, const l
   std::optional<std::vector<las::LazChunk>> chunks;
   if (layout.is_chunked) chunks = las::read_chunk_table(file, header, layout, reason);
   if (!chunks || chunks->empty()) return std::nullopt;
-  // The first points of every chunk: what follows them there need not be decoded.
-  std::vector<las::LazChunk> begun;
-  const std::uint64_t wanted_chunks = std::min<std::uint64_t>(chunks->size(), most_runs);
-  for (std::uint64_t k = 0; k < wanted_chunks; ++k) {
-    las::LazChunk& chunk =
-        begun.emplace_back((*chunks)[std::size_t(Subsample(chunks->size(), wanted_chunks).place(k))]);
-    chunk.held = chunk.count;
-    chunk.count = std::uint32_t(
-        std::min<std::uint64_t>(chunk.count, std::max<std::uint64_t>(1, points / wanted_chunks)));
-  }
-  ReadResult result = read_las_chunks(path, begun, progress);
+  ReadResult result = excerpt_chunks(path, *chunks, points, progress);
   result.report.points = header.count;
   return result;
 }
@@ -153,6 +143,21 @@ ReadResult read_las_records(std::string head, const std::string& records, std::s
 }
 
 }  // namespace
+
+ReadResult excerpt_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks,
+                          std::size_t points, Progress& progress) {
+  // The first points of every chunk: what follows them there need not be decoded.
+  std::vector<las::LazChunk> begun;
+  const std::uint64_t wanted_chunks = std::min<std::uint64_t>(chunks.size(), most_runs);
+  for (std::uint64_t k = 0; k < wanted_chunks; ++k) {
+    las::LazChunk& chunk =
+        begun.emplace_back(chunks[std::size_t(Subsample(chunks.size(), wanted_chunks).place(k))]);
+    chunk.held = chunk.count;
+    chunk.count = std::uint32_t(
+        std::min<std::uint64_t>(chunk.count, std::max<std::uint64_t>(1, points / wanted_chunks)));
+  }
+  return read_las_chunks(path, begun, progress);
+}
 
 std::optional<ReadResult> excerpt_las(const std::filesystem::path& path, std::size_t points,
                                       const ReadOptions& options, Progress& progress) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "io/io.h"
+#include "io/laz_chunk.h"
 
 namespace sfumato::io {
 
@@ -14,6 +15,9 @@ namespace sfumato::io {
 // file cannot be cut, and where the file is not at least four times as large. They throw what readers throw.
 std::optional<ReadResult> excerpt_las(const std::filesystem::path& file, std::size_t points,
                                       const ReadOptions& options, Progress& progress);
+/// The first points of these chunks, or of some where they are many: `points` or fewer.
+ReadResult excerpt_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks,
+                          std::size_t points, Progress& progress);
 std::optional<ReadResult> excerpt_ply(const std::filesystem::path& file, std::size_t points,
                                       const ReadOptions& options, Progress& progress);
 std::optional<ReadResult> excerpt_pcd(const std::filesystem::path& file, std::size_t points,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <sstream>
 #include <tuple>
 
@@ -23,7 +24,15 @@ namespace {
 /// Ordered: content decides before the extension, and of two formats that recognise it the first wins.
 const std::vector<Format>& table() {
   static const std::vector<Format> formats = {
-      {"ply", {".ply"}, "Stanford PLY, ascii and binary", is_ply, read_ply, write_ply, excerpt_ply, true},
+      {"ply",
+       {".ply"},
+       "Stanford PLY, ascii and binary",
+       is_ply,
+       read_ply,
+       write_ply,
+       excerpt_ply,
+       nullptr,
+       true},
       {"pcd",
        {".pcd"},
        "Point Cloud Library, ascii, binary and compressed",
@@ -31,10 +40,39 @@ const std::vector<Format>& table() {
        read_pcd,
        write_pcd,
        excerpt_pcd},
-      {"obj", {".obj"}, "Wavefront OBJ, faces and vertices", is_obj, read_obj, nullptr, excerpt_obj, true},
-      {"copc", {".copc.laz"}, "Cloud Optimized Point Cloud 1.0", is_copc, read_las, nullptr, excerpt_las},
-      {"laz", {".laz"}, "LAS compressed by LASzip", is_laz, read_las, write_laz, excerpt_las},
-      {"las", {".las"}, "LAS 1.0 to 1.4, point formats 0 to 10", is_las, read_las, write_las, excerpt_las},
+      {"obj",
+       {".obj"},
+       "Wavefront OBJ, faces and vertices",
+       is_obj,
+       read_obj,
+       nullptr,
+       excerpt_obj,
+       nullptr,
+       true},
+      {"copc",
+       {".copc.laz"},
+       "Cloud Optimized Point Cloud 1.0",
+       is_copc,
+       read_las,
+       nullptr,
+       excerpt_las,
+       read_part_of_las},
+      {"laz",
+       {".laz"},
+       "LAS compressed by LASzip",
+       is_laz,
+       read_las,
+       write_laz,
+       excerpt_las,
+       read_part_of_las},
+      {"las",
+       {".las"},
+       "LAS 1.0 to 1.4, point formats 0 to 10",
+       is_las,
+       read_las,
+       write_las,
+       excerpt_las,
+       read_part_of_las},
       {"pts", {".pts"}, "lines of numbers after their count", nullptr, read_text, nullptr, excerpt_text},
       {"npy", {".npy"}, "NumPy array, one row or record per point", is_npy, read_npy_points, write_npy_cloud},
       {"e57", {".e57"}, "ASTM E2807, all scans", is_e57, read_e57},
@@ -43,12 +81,22 @@ const std::vector<Format>& table() {
 #ifdef SFUMATO_DRACO
       {"draco", {".drc"}, "Draco point clouds, and the vertices of Draco meshes", is_draco, read_draco},
 #endif
-      {"ept", {"ept.json"}, "Entwine Point Tiles: laszip, binary, zstandard", is_ept, read_ept},
+      {"ept",
+       {"ept.json"},
+       "Entwine Point Tiles: laszip, binary, zstandard",
+       is_ept,
+       read_ept,
+       nullptr,
+       nullptr,
+       read_part_of_tiles},
       {"potree",
        {"metadata.json"},
        "Potree 2 octrees, DEFAULT and BROTLI (metadata.json)",
        is_potree,
-       read_potree},
+       read_potree,
+       nullptr,
+       nullptr,
+       read_part_of_tiles},
       {"vpc", {".vpc"}, "virtual point clouds: lists of COPC, LAZ and other files", is_vpc, read_vpc},
       {"depth",
        {".json"},
@@ -135,14 +183,14 @@ void leave_out(ReadResult& result, const Predicate& is_nothing) {
 
 /// Records that a driver writes where nothing came back, as 0 0 0: at a scanner at the origin any, elsewhere
 /// more than a few on exactly that place.
-void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin) {
+void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool is_part) {
   PointCloud& cloud = result.cloud;
   ReadReport& report = result.report;
   for (int k = 0; k < 3; ++k)
     if (report.bounds_min[k] > 0 || report.bounds_max[k] < 0) return;
   const vec3 zero(-cloud.origin);
   const auto zeros = std::size_t(std::count(cloud.positions.begin(), cloud.positions.end(), zero));
-  if (zeros <= (has_scanner_at_origin ? 0 : few_in_one_place) || zeros == cloud.size()) return;
+  if (zeros <= (has_scanner_at_origin ? 0 : few_in_one_place) || (zeros == cloud.size() && !is_part)) return;
   leave_out(result, [&](const vec3& p) { return p == zero; });
   const Bounds box = bounds(cloud);
   for (int k = 0; k < 3; ++k) {
@@ -227,19 +275,31 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   Faces faces;
   ReadOptions wanted = options;
   if (options.samples_faces) wanted.faces = &faces;
-  ReadResult result = format.read(file, wanted, progress);
+  std::optional<ReadResult> part;
+  if (options.part && options.part->count > 1 && format.read_part)
+    part = format.read_part(file, wanted, progress);
+  const bool is_part = part.has_value();
+  wanted.part.reset();
+  ReadResult result = is_part ? std::move(*part) : format.read(file, wanted, progress);
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of these are no returns.
   if (result.cloud.provenance == Provenance::unknown && format.name != "e57" && format.name != "vtk" &&
       format.name != "vtp" && format.name != "grid") {
-    leave_out_no_returns(result, format.name == "kitti");
+    leave_out_no_returns(result, format.name == "kitti", is_part);
     leave_out_nothing(result);
   }
   stand_as_pictures(file, format, result);
+  if (is_part) return result;
   if (options.samples_faces) sample_faces(std::move(faces), result, progress);
   if (options.max_points && result.cloud.size() > *options.max_points)
     result.cloud = subsample(result.cloud, std::size_t(*options.max_points));
+  if (options.part && options.part->count > 1) {
+    const std::size_t first = std::size_t(options.part->begin(result.cloud.size()));
+    std::vector<std::uint32_t> places(std::size_t(options.part->end(result.cloud.size())) - first);
+    std::iota(places.begin(), places.end(), std::uint32_t(first));
+    result.cloud = select(result.cloud, places);
+  }
   return result;
 }
 

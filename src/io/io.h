@@ -22,14 +22,35 @@ struct AttributeStats {
 class RecordTap;
 struct Faces;
 
+/// One of `count` parts of a file, which together are all of it, each point in one: places of the whole in
+/// file order, or of files of chunks, nodes and tiles some of those.
+struct Part {
+  std::uint64_t index = 0, count = 1;
+  std::uint64_t begin(std::uint64_t total) const { return start(index, total); }
+  std::uint64_t end(std::uint64_t total) const { return start(index + 1, total); }
+  bool operator==(const Part&) const = default;
+
+ private:
+  /// index * total / count, without overflow.
+  std::uint64_t start(std::uint64_t i, std::uint64_t total) const {
+    return total / count * i + total % count * i / count;
+  }
+};
+
 struct ReadOptions {
   std::vector<std::string> columns;         ///< text, rows of .npy: names by position, win over the guess
   std::optional<std::uint64_t> max_points;  ///< deterministic subsample while or after reading
-  bool strict = false;                      ///< refuse a file of which parts are damaged
-  bool every_attribute = false;             ///< also LAS user_data and point_source_id of nothing but zeros
-  bool samples_faces = false;               ///< of meshes, points on their faces in place of the vertices
-  Faces* faces = nullptr;                   ///< takes the faces of the file (io/faces.h)
-  RecordTap* tap = nullptr;  ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
+  /// Only this part of the file, or of its subsample; not with `faces`. Parts agree in attributes, in the
+  /// depth of colours and in the origin, whatever each holds: LAS keeps columns of nothing but zeros for it.
+  /// Of LAS, LAZ, COPC, EPT and Potree the rest is not read but for a sample, and of records of 0 0 0 that
+  /// the whole leaves out (`ReadReport::notes`) up to three a part may stay. Reports are those of the part,
+  /// of other formats those of the whole.
+  std::optional<Part> part;
+  bool strict = false;           ///< refuse a file of which parts are damaged
+  bool every_attribute = false;  ///< also LAS user_data and point_source_id of nothing but zeros
+  bool samples_faces = false;    ///< of meshes, points on their faces in place of the vertices
+  Faces* faces = nullptr;        ///< takes the faces of the file (io/faces.h)
+  RecordTap* tap = nullptr;      ///< sees records of LAS, LAZ and COPC as they are read (io/record_tap.h)
   bool operator==(const ReadOptions&) const = default;
 };
 

@@ -10,6 +10,8 @@
 
 #include "core/subsample.h"
 #include "io/decoder_pool.h"
+#include "io/excerpt.h"
+#include "io/format.h"
 #include "io/las_points.h"
 #include "io/las_records.h"
 #include "io/record_tap.h"
@@ -37,38 +39,48 @@ std::vector<std::uint8_t> first_record(const InputFile& file, const Header& head
   return record;
 }
 
-/// Which points are kept where all of them are too many for memory.
+/// Records [begin, end) of `total`.
+struct Range {
+  std::uint64_t begin = 0, end = 0, total = 0;
+  bool is_part = false;  ///< of a file, which may be all of it
+  std::uint64_t count() const { return end - begin; }
+};
+
+/// Which points are kept where all of them are too many for memory. Of a part of a file, those that are kept
+/// of the whole.
 class Thinning {
  public:
   /// Throws Error(out_of_memory) when the cloud does not fit and nobody asked for fewer points.
-  Thinning(const InputFile& file, const Header& header, std::size_t bytes_per_point,
+  Thinning(const InputFile& file, const Header& header, const Range& range, std::size_t bytes_per_point,
            const ReadOptions& options)
-      : total_(header.count), length_(header.record_length), tap_(options.tap) {
-    if (tap_) tap_->begin(file.read_text(0, std::size_t(header.point_data)), length_, total_);
+      : range_(range), length_(header.record_length), tap_(options.tap) {
+    if (tap_) tap_->begin(file.read_text(0, std::size_t(header.point_data)), length_, range.total);
     const std::uint64_t limit = memory_limit(), most = limit / bytes_per_point;
+    const bool is_thinned =
+        range.is_part && options.max_points && *options.max_points < range.total;  // else behind it
     // A number of points beyond what so large a file can hold is damage, and found as such where they end.
-    if (total_ <= most || !is_trusted(file, total_ * bytes_per_point)) return;
-    if (options.max_points && *options.max_points <= most) {
-      kept_.emplace(total_, *options.max_points);
-      wanted_ = *options.max_points;
-      return;
-    }
+    const bool is_beyond = range.count() > most && is_trusted(file, range.count() * bytes_per_point);
+    if (is_thinned || (is_beyond && options.max_points && *options.max_points <= most))
+      kept_.emplace(range.total, *options.max_points);
+    if (!is_beyond || kept_) return;
     char text[160];
     std::snprintf(text, sizeof text, ": %llu points take about %.3g GB, and %.3g GB are there for them; ",
-                  static_cast<unsigned long long>(total_), double(total_) * double(bytes_per_point) / 1e9,
-                  double(limit) / 1e9);
+                  static_cast<unsigned long long>(range.count()),
+                  double(range.count()) * double(bytes_per_point) / 1e9, double(limit) / 1e9);
     throw Error(ErrorCode::out_of_memory,
                 file.path().string() + text +
                     "give them levels (sfumato build IN... -o OUT.copc.laz) or take fewer (--max-points N)");
   }
-  std::uint64_t points() const { return kept_ ? wanted_ : total_; }
-  /// Points kept of those before `i`.
-  std::uint64_t before(std::uint64_t i) const { return kept_ ? kept_->before(i) : i; }
+  std::uint64_t points() const { return before(range_.end); }
+  /// Points kept of those of the range before `i`.
+  std::uint64_t before(std::uint64_t i) const {
+    return kept_ ? kept_->before(i) - kept_->before(range_.begin) : i - range_.begin;
+  }
   /// Hands those of the records that are kept to the collector; the others are overwritten.
   void store(PointCollector& points, std::uint64_t first, std::uint8_t* records, std::size_t count,
              Stats& stats) const {
     if (tap_) tap_->take(first, records, count);
-    if (!kept_) return points.unpack(first, records, count, stats);
+    if (!kept_) return points.unpack(before(first), records, count, stats);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i)
       if (kept_->takes(first + i)) std::memmove(records + length_ * kept++, records + length_ * i, length_);
@@ -77,30 +89,41 @@ class Thinning {
   /// What the report says of all points, and where the kept ones lie in the file.
   void report(ReadResult& result) const {
     if (!kept_) return;
-    result.report.points = result.report.points_finite = total_;
-    result.cloud.source_index.resize(wanted_);
-    for (std::uint64_t k = 0; k < wanted_; ++k) result.cloud.source_index[k] = std::uint32_t(kept_->place(k));
-    result.report.notes.push_back("all points take more memory than there is: " + std::to_string(wanted_) +
-                                  " are kept while reading, and the statistics are theirs");
+    result.report.points = result.report.points_finite = range_.count();
+    const std::uint64_t first = kept_->before(range_.begin);
+    result.cloud.source_index.resize(points());
+    for (std::uint64_t k = 0; k < points(); ++k)
+      result.cloud.source_index[k] = std::uint32_t(kept_->place(first + k));
+    if (!range_.is_part)
+      result.report.notes.push_back("all points take more memory than there is: " + std::to_string(points()) +
+                                    " are kept while reading, and the statistics are theirs");
   }
 
  private:
-  std::uint64_t total_, wanted_ = 0;
+  Range range_;
   std::size_t length_;
   RecordTap* tap_;
   std::optional<Subsample> kept_;
 };
 
-ReadResult read_uncompressed(const InputFile& file, const Header& header, const ReadOptions& options,
-                             Progress& progress) {
-  PointCollector points(header, first_record(file, header, header.point_data));
-  const Thinning thinning(file, header, points.bytes_per_point(), options);
+/// `whole`: null where all of the file is read.
+PointCollector collector_of(const InputFile& file, const Header& header, std::uint64_t first_byte,
+                            const WholeFile* whole) {
+  if (whole) return {header, *whole};
+  return {header, first_record(file, header, first_byte)};
+}
+
+ReadResult read_uncompressed(const InputFile& file, const Header& header, const Range& range,
+                             const WholeFile* whole, const ReadOptions& options, Progress& progress) {
+  PointCollector points = collector_of(file, header, header.point_data, whole);
+  const Thinning thinning(file, header, range, points.bytes_per_point(), options);
   points.resize(thinning.points());  // the header check has seen that the file holds them
   const std::size_t block = records_at_a_time(header.record_length),
-                    blocks = (header.count + block - 1) / block;
+                    blocks = (range.count() + block - 1) / block;
   std::vector<Stats> stats(blocks, points.empty_stats());
   parallel_tasks(blocks, progress, "reading points", [&](std::size_t i) {
-    const std::size_t first = i * block, count = std::min<std::size_t>(block, header.count - first);
+    const std::size_t first = range.begin + i * block,
+                      count = std::min<std::size_t>(block, range.end - first);
     std::vector<std::uint8_t> records(count * header.record_length);
     file.read(header.point_data + first * header.record_length, records.data(), records.size());
     thinning.store(points, first, records.data(), count, stats[i]);
@@ -114,11 +137,12 @@ ReadResult read_chunks(
     const InputFile& file, const Header& header, const LazLayout& layout, const std::vector<LazChunk>& chunks,
     const ReadOptions& options, Progress& progress,
     std::vector<std::string>* damage = nullptr,  // when given: a place for each chunk's error
-    const KeptChunks& kept = {}) {
-  PointCollector points(header, first_record(file, header, chunks.empty() ? 0 : chunks.front().byte));
-  Header counted = header;  // of the chunks that are read
-  counted.count = chunks.empty() ? 0 : chunks.back().first + chunks.back().count;
-  const Thinning thinning(file, counted, points.bytes_per_point(), options);
+    const WholeFile* whole = nullptr, const KeptChunks& kept = {}) {
+  Range range;
+  if (!chunks.empty()) range = {chunks.front().first, chunks.back().first + chunks.back().count};
+  range.total = whole ? header.count : range.count(), range.is_part = whole;
+  PointCollector points = collector_of(file, header, chunks.empty() ? 0 : chunks.front().byte, whole);
+  const Thinning thinning(file, header, range, points.bytes_per_point(), options);
   const std::uint64_t total = thinning.points();
   const bool grows = !is_trusted(file, total * points.bytes_per_point());
   if (!grows) points.resize(total);
@@ -135,17 +159,17 @@ ReadResult read_chunks(
       return thinning.store(points, chunk.first, copy.data(), chunk.count, stats[i]);
     }
     LazDecoder decoder(file, layout, chunk, false, progress);
-    std::vector<std::uint8_t> whole;
+    std::vector<std::uint8_t> decoded;
     std::size_t done = 0;
     for (std::span<std::uint8_t> some; !(some = decoder.next()).empty();) {
       progress.check();
-      if (kept.cache) whole.insert(whole.end(), some.begin(), some.end());
+      if (kept.cache) decoded.insert(decoded.end(), some.begin(), some.end());
       const std::size_t count = some.size() / layout.record_length;
       if (grows) points.resize(thinning.before(chunk.first + done + count));
       thinning.store(points, chunk.first + done, some.data(), count, stats[i]);
       done += count;
     }
-    if (kept.cache && done == chunk.count) kept.cache->keep(key, std::move(whole));
+    if (kept.cache && done == chunk.count) kept.cache->keep(key, std::move(decoded));
   };
   const auto decode = [&](std::size_t i) {
     try {
@@ -170,7 +194,7 @@ ReadResult read_chunks(
 ReadResult read_run(const InputFile& file, const Header& header, const LazLayout& layout, const LazChunk& run,
                     const ReadOptions& options, Progress& progress) {
   PointCollector points(header, first_record(file, header, run.byte));
-  const Thinning thinning(file, header, points.bytes_per_point(), options);
+  const Thinning thinning(file, header, {0, header.count, header.count}, points.bytes_per_point(), options);
   LazDecoder decoder(file, layout, run, true, progress);
   Stats stats = points.empty_stats();
   std::uint64_t done = 0;
@@ -196,28 +220,29 @@ void note_decoders(ReadResult& result) {
 // What of these chunks can be decoded.
 ReadResult read_intact(const InputFile& file, const Header& header, const LazLayout& layout,
                        std::vector<LazChunk> wanted, const ReadOptions& options, Progress& progress,
-                       const KeptChunks& kept = {}) {
+                       const WholeFile* whole = nullptr, const KeptChunks& kept = {}) {
   std::vector<std::string> damage;
   std::uint64_t missing = 0;
+  const std::uint64_t begin = whole && !wanted.empty() ? wanted.front().first : 0;
   while (true) {
-    std::uint64_t first = 0;
+    std::uint64_t first = begin;
     for (LazChunk& chunk : wanted) chunk.first = first, first += chunk.count;
     std::vector<std::string> errors(wanted.size());
-    ReadResult result = read_chunks(file, header, layout, wanted, options, progress, &errors, kept);
-    std::vector<LazChunk> whole;
+    ReadResult result = read_chunks(file, header, layout, wanted, options, progress, &errors, whole, kept);
+    std::vector<LazChunk> intact;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (errors[i].empty())
-        whole.push_back(wanted[i]);
+        intact.push_back(wanted[i]);
       else
         damage.push_back(errors[i]), missing += wanted[i].count;
     }
-    if (whole.size() == wanted.size()) {
+    if (intact.size() == wanted.size()) {
       result.report.damage = std::move(damage);
       result.report.points += missing;
       result.report.points_missing = missing;
       return result;
     }
-    wanted = std::move(whole);  // once more without them: damage is rare
+    wanted = std::move(intact);  // once more without them: damage is rare
   }
 }
 
@@ -238,6 +263,27 @@ ReadResult read_compressed(const InputFile& file, const Header& header, const Re
 constexpr std::size_t format_byte = 104;
 
 }  // namespace
+
+WholeFile whole_file(const std::filesystem::path& path, Progress& progress) {
+  const InputFile file(path);
+  const Header header = read_header(file);
+  WholeFile whole;
+  if (header.count == 0) return whole;
+  std::optional<ReadResult> sample;
+  if (header.compressed) {
+    const std::vector<LazChunk> chunks = find_chunks(file, header).chunks;
+    whole.first_record = first_record(file, header, chunks.front().byte);
+    sample = excerpt_chunks(path, chunks, sample_points, progress);
+  } else {
+    whole.first_record = first_record(file, header, header.point_data);
+    sample = header.count < least_cut_points ? read_las(path, {}, progress)
+                                             : excerpt_las(path, sample_points, {}, progress);
+  }
+  if (!sample->cloud.colors.empty()) whole.color_bits = sample->cloud.las->color_bits;
+  whole.origin = origin_of(header, *sample, header_bounds(file));
+  return whole;
+}
+
 }  // namespace las
 
 std::uint64_t memory_limit() {
@@ -261,8 +307,10 @@ bool is_copc(std::string_view head) {
 ReadResult read_las(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
-  ReadResult result = header.compressed ? las::read_compressed(file, header, options, progress)
-                                        : las::read_uncompressed(file, header, options, progress);
+  ReadResult result =
+      header.compressed
+          ? las::read_compressed(file, header, options, progress)
+          : las::read_uncompressed(file, header, {0, header.count, header.count}, nullptr, options, progress);
   // Columns of nothing but zeros were left out to save memory; a format that is not LAS would not know of
   // them.
   for (const auto& column :
@@ -275,12 +323,41 @@ ReadResult read_las(const std::filesystem::path& path, const ReadOptions& option
   return result;
 }
 
+std::optional<ReadResult> read_part_of_las(const std::filesystem::path& path, const ReadOptions& options,
+                                           Progress& progress) {
+  const las::InputFile file(path);
+  const las::Header header = las::read_header(file);
+  if (header.count < least_cut_points || options.tap) return std::nullopt;
+  const Part part = *options.part;
+  if (!header.compressed) {
+    const las::WholeFile whole = las::whole_file(path, progress);
+    return las::read_uncompressed(file, header,
+                                  {part.begin(header.count), part.end(header.count), header.count, true},
+                                  &whole, options, progress);
+  }
+  las::LazChunks found = las::find_chunks(file, header);
+  if (found.is_run) return std::nullopt;
+  std::erase_if(found.chunks, [&](const las::LazChunk& chunk) {
+    const std::uint64_t middle = chunk.first + chunk.count / 2;
+    return middle < part.begin(header.count) || middle >= part.end(header.count);
+  });
+  const las::WholeFile whole = las::whole_file(path, progress);
+  ReadResult result =
+      options.strict
+          ? las::read_chunks(file, header, found.layout, found.chunks, options, progress, nullptr, &whole)
+          : las::read_intact(file, header, found.layout, found.chunks, options, progress, &whole);
+  las::note_decoders(result);
+  return result;
+}
+
 ReadResult read_las_chunks(const std::filesystem::path& path, const std::vector<las::LazChunk>& chunks,
-                           Progress& progress, const KeptChunks& kept) {
+                           Progress& progress, const KeptChunks& kept, const las::WholeFile* whole) {
   const las::InputFile file(path);
   const las::Header header = las::read_header(file);
   const las::LazLayout layout = las::read_laz_layout(file, header);
-  ReadResult result = las::read_intact(file, header, layout, chunks, {}, progress, kept);
+  std::vector<las::LazChunk> wanted = chunks;
+  for (las::LazChunk& chunk : wanted) chunk.first = 0;  // counted among themselves
+  ReadResult result = las::read_intact(file, header, layout, wanted, {}, progress, whole, kept);
   las::note_decoders(result);
   result.report.file = path;
   result.report.format = "copc";

@@ -13,6 +13,7 @@
 
 #include "io/chunk_cache.h"
 #include "io/io.h"
+#include "io/las_points.h"
 #include "io/laz_chunk.h"
 
 namespace sfumato::io {
@@ -28,6 +29,11 @@ bool is_copc(std::string_view head);
 /// Throws Error(bad_input) with byte, found, expected, what to do.
 ReadResult read_las(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
+/// The part `options.part` of the records of a LAS file, or of the chunks or nodes of a compressed one.
+/// Nothing where the file is too small, or cannot be cut without decoding it.
+std::optional<ReadResult> read_part_of_las(const std::filesystem::path& file, const ReadOptions& options,
+                                           Progress& progress);
+
 /// Where the records of a file's chunks are looked for before they are decoded, and kept behind it.
 struct KeptChunks {
   ChunkCache* cache = nullptr;  ///< null: nowhere
@@ -35,9 +41,10 @@ struct KeptChunks {
 };
 
 /// Reads only these chunks of a compressed file, in their order. Those that are damaged are left out: see the
-/// report.
+/// report. `whole`: where others read other chunks of the file, and clouds have to agree.
 ReadResult read_las_chunks(const std::filesystem::path& file, const std::vector<las::LazChunk>& chunks,
-                           Progress& progress, const KeptChunks& kept = {});
+                           Progress& progress, const KeptChunks& kept = {},
+                           const las::WholeFile* whole = nullptr);
 
 /// Writes LAS 1.4 in the cloud's own point format and scaling where it has one (`PointCloud::las`) and the
 /// values fit, else the least format that holds them and steps of about a float's precision.

@@ -43,7 +43,32 @@ double round_center(double low, double high) {
   return std::round(center / step) * step;
 }
 
+// A float holds 2^24 steps of a file's coordinates.
+constexpr double most_exact_steps = 15e6;
+
 }  // namespace
+
+dvec3 origin_of(const Header& header, const ReadResult& sample, const std::optional<Bounds>& said) {
+  Bounds box{sample.report.bounds_min, sample.report.bounds_max};
+  // What a file says is the place of all points, unless it is wrong.
+  const dvec3 scale = glm::abs(header.scale);
+  const auto is_inside = [&] {
+    return glm::all(glm::lessThanEqual(said->min - scale, box.min)) &&
+           glm::all(glm::lessThanEqual(box.max, said->max + scale));
+  };
+  if (said && (sample.cloud.empty() || is_inside())) box = *said;
+  dvec3 origin(0);
+  for (int axis = 0; axis < 3; ++axis)
+    origin[axis] = box.size()[axis] > most_exact_steps * scale[axis]
+                       ? sample.cloud.origin[axis]
+                       : round_center(box.min[axis], box.max[axis]);
+  return origin;
+}
+
+PointCollector::PointCollector(const Header& header, const WholeFile& whole)
+    : PointCollector(header, whole.first_record) {
+  whole_ = whole;
+}
 
 PointCollector::PointCollector(const Header& header, const std::vector<std::uint8_t>& first_record)
     : header_(header) {
@@ -312,9 +337,10 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
       result.report.bounds_min[axis] = std::min(a, b);
       result.report.bounds_max[axis] = std::max(a, b);
       cloud.origin[axis] = round_center(std::min(a, b), std::max(a, b));
-      // A float holds 2^24 steps; beyond that the file's last digits are lost, least where most points are.
-      if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > 15e6) {
-        cloud.origin[axis] = header_.scale[axis] * median_step(axis) + header_.offset[axis];
+      if (whole_) cloud.origin[axis] = whole_->origin[axis];
+      // Beyond that the file's last digits are lost, least where most points are.
+      if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > most_exact_steps) {
+        if (!whole_) cloud.origin[axis] = header_.scale[axis] * median_step(axis) + header_.offset[axis];
         const double reach = std::max(std::abs(a - cloud.origin[axis]), std::abs(b - cloud.origin[axis]));
         rounded += (rounded.empty() ? "" : ", ") + std::string(1, "xyz"[axis]);
         by = std::max(by, std::exp2(std::floor(std::log2(reach)) - 24));
@@ -343,7 +369,7 @@ void PointCollector::place_colors(ReadResult& result, Progress& progress) {
   if (colors_.empty()) return;
   ColorDepth depth;
   for (const auto& [r, g, b] : colors_) depth.add(r, g, b);
-  const int bits = depth.bits();
+  const int bits = whole_ ? whole_->color_bits : depth.bits();
   if (bits == 0) {  // none has a colour, and black is one
     colors_ = {};
     return;
@@ -353,7 +379,8 @@ void PointCollector::place_colors(ReadResult& result, Progress& progress) {
   if (bits < 16)
     result.report.notes.push_back("the 16-bit colours hold 0 to " + std::to_string(largest_of(bits)) +
                                   " and are taken as " + std::to_string(bits) + "-bit");
-  if (const std::uint64_t beyond = depth.beyond()) result.report.notes.push_back(beyond_bits(beyond, bits));
+  if (const std::uint64_t beyond = depth.beyond(bits))
+    result.report.notes.push_back(beyond_bits(beyond, bits));
   const auto most = std::uint16_t(largest_of(bits));
   std::vector<Rgba8>& colors = result.cloud.colors;
   allocate(colors, colors_.size());
@@ -361,7 +388,7 @@ void PointCollector::place_colors(ReadResult& result, Progress& progress) {
   if (!is_8bit) allocate(low, colors_.size());
   const std::size_t tasks = (colors_.size() + pass_size - 1) / pass_size;
   // Which of the two usual ways from 8 to 16 bits the file used, if any: then the low bytes are known.
-  std::vector<char> repeats(tasks, bits == 16), shifts(tasks, 1);
+  std::vector<char> repeats(tasks, bits == 16 && !whole_), shifts(tasks, !whole_);
   parallel_tasks(tasks, progress, "placing colours", [&](std::size_t task) {
     const std::size_t last = std::min(colors_.size(), (task + 1) * pass_size);
     for (std::size_t i = task * pass_size; i < last; ++i) {
@@ -383,8 +410,8 @@ void PointCollector::place_colors(ReadResult& result, Progress& progress) {
   auto all = [](const std::vector<char>& flags) {
     return std::find(flags.begin(), flags.end(), 0) == flags.end();
   };
-  result.cloud.las->colors_shifted = !is_8bit && all(shifts);
-  if (!is_8bit && !all(shifts) && !all(repeats))
+  result.cloud.las->colors_shifted = !is_8bit && !whole_ && all(shifts);
+  if (!is_8bit && (whole_ || (!all(shifts) && !all(repeats))))
     result.cloud.set_scalar({rgb_low_name, 0, std::move(low), StoredType::uint32});
 }
 
@@ -393,7 +420,7 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
     Column& column = columns_[c];
     const Field& field = column.field;
     const FieldStats& stats = total.fields[c];
-    const bool is_zero = stats.count == result.cloud.size() && stats.min == 0 && stats.max == 0;
+    const bool is_zero = !whole_ && stats.count == result.cloud.size() && stats.min == 0 && stats.max == 0;
     if (field.optional && is_zero) continue;
     // An extra field may carry what its standard namesake cannot (an intensity of 0 to 1): it stands for it.
     const bool is_replaced = std::any_of(columns_.begin(), columns_.end(), [&](const Column& other) {
@@ -413,9 +440,12 @@ void PointCollector::place_scalars(ReadResult& result, const Stats& total) {
       result.cloud.las->steps.push_back({field.name, field.type, field.scale, field.offset, field.no_data});
     numbers(column.values, *column.values_at);  // none was other than zero in a cloud that is not all there
     result.cloud.set_scalar({field.name, column.base, std::move(column.values), type});
-    if (stats.has_residual)
+    const bool has_residual = whole_ ? field.needs_residual() : stats.has_residual;
+    if (has_residual) {
+      numbers(column.residuals, *column.residuals_at);
       result.cloud.set_scalar(
           {field.name + residual_suffix, 0, std::move(column.residuals), StoredType::float32});
+    }
     if (stats.is_inexact && !field.is_scaled())
       result.report.digits.push_back(field.name +
                                      " has more digits than are kept (48 bits around its first value)");

@@ -7,12 +7,26 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "io/io.h"
 #include "io/las_fields.h"
 
 namespace sfumato::io::las {
+
+/// What is decided of a whole file, for clouds that are parts of it: they agree, whatever each of them holds.
+struct WholeFile {
+  std::vector<std::uint8_t> first_record;
+  dvec3 origin{0};
+  int color_bits = 16;
+};
+
+/// By its header and a sample of its points, from everywhere in it: the same, however the file is cut.
+WholeFile whole_file(const std::filesystem::path& file, Progress& progress);
+
+/// The origin of all points of a file, by a sample of them and what it says of their place.
+dvec3 origin_of(const Header& header, const ReadResult& sample, const std::optional<Bounds>& said);
 
 /// Collects records into a cloud in file order. `unpack` may be called from several threads for disjoint
 /// ranges.
@@ -31,6 +45,8 @@ class PointCollector {
 
   /// `first_record`: the file's first point, whose large values (GPS time) become the offsets of the scalars.
   PointCollector(const Header& header, const std::vector<std::uint8_t>& first_record);
+  /// Of a part of a file. No attribute is left out: another part may have what this one has nothing of.
+  PointCollector(const Header& header, const WholeFile& whole);
 
   /// Room for `points` points in all.
   void resize(std::size_t points);
@@ -67,6 +83,7 @@ class PointCollector {
   void place_attributes(ReadResult& result);
 
   Header header_;
+  std::optional<WholeFile> whole_;
   std::size_t points_ = 0;
   std::mutex making_;
   std::vector<std::string> notes_;

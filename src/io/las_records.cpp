@@ -13,6 +13,12 @@ namespace {
 constexpr std::size_t block_size = 1 << 16, block_bytes = 8 << 20;
 constexpr std::uint64_t bounds_byte = 179;  // max x, min x, max y, min y, max z, min z
 
+void number_chunks(std::vector<LazChunk>& chunks) {
+  for (std::size_t i = 0; i < chunks.size(); ++i) chunks[i].number = std::uint32_t(i);
+}
+
+}  // namespace
+
 std::optional<Bounds> header_bounds(const InputFile& file) {
   std::uint8_t bytes[48];
   file.read(bounds_byte, bytes, sizeof bytes);
@@ -25,12 +31,6 @@ std::optional<Bounds> header_bounds(const InputFile& file) {
   }
   return box;
 }
-
-void number_chunks(std::vector<LazChunk>& chunks) {
-  for (std::size_t i = 0; i < chunks.size(); ++i) chunks[i].number = std::uint32_t(i);
-}
-
-}  // namespace
 
 std::size_t records_at_a_time(std::size_t record_length) {
   return std::clamp<std::size_t>(block_bytes / record_length, 1, block_size);

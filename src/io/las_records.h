@@ -24,6 +24,9 @@ struct LazChunks {
 /// By the octree of a COPC, else the chunk table, else without. Throws Error(bad_input).
 LazChunks find_chunks(const InputFile& file, const Header& header);
 
+/// What the header says of the points' place, if it can be.
+std::optional<Bounds> header_bounds(const InputFile& file);
+
 /// Points handled at a time: at most 65536, fewer where a point is long.
 std::size_t records_at_a_time(std::size_t record_length);
 

@@ -247,8 +247,8 @@ TiledScan open_potree(const std::filesystem::path& path, Progress& progress) {
     return interleave(*shared, unpack_brotli(file->path(), bytes, std::size_t(tile.points) * packed_record),
                       std::size_t(tile.points));
   };
-  scan.read = [=](const std::vector<Tile>& tiles, Progress& watch) {
-    ReadResult result = read_tiles(path, shared->layout, tiles, load, watch);
+  scan.read = [=](const std::vector<Tile>& tiles, Progress& watch, TileChoices* choices) {
+    ReadResult result = read_tiles(path, shared->layout, tiles, load, watch, choices);
     if (!shared->crs.empty()) result.cloud.crs = result.report.crs = shared->crs;
     return result;
   };

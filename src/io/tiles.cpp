@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <numeric>
 
 #include "io/byte_source.h"
 #include "io/file.h"
 #include "io/format.h"
+#include "core/subsample.h"
 #include "io/las.h"
-#include "io/las_points.h"
 #include "io/las_records.h"
 
 namespace sfumato::io {
@@ -85,24 +86,74 @@ TiledScan open_tiled(const std::filesystem::path& file, Progress& progress) {
   return is_ept(File(file).read_text(0, 4096)) ? open_ept(file, progress) : open_potree(file, progress);
 }
 
-ReadResult read_tiled(const std::filesystem::path& file, const TiledScan& scan, const ReadOptions& options,
-                      Progress& progress) {
+namespace {
+
+/// From the root down, whole levels until there are `max_points`.
+std::vector<Tile> tiles_of(const TiledScan& scan, const std::optional<std::uint64_t>& max_points) {
   std::vector<Tile> tiles = scan.tiles;
   std::stable_sort(tiles.begin(), tiles.end(),
                    [](const Tile& a, const Tile& b) { return a.level < b.level; });
   std::uint64_t points = 0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     const bool is_new_level = i > 0 && tiles[i].level != tiles[i - 1].level;
-    if (options.max_points && is_new_level && points >= *options.max_points) {
+    if (max_points && is_new_level && points >= *max_points) {
       tiles.resize(i);
       break;
     }
     points += tiles[i].points;
   }
+  return tiles;
+}
+
+std::uint64_t points_of(const std::vector<Tile>& tiles) {
+  return std::accumulate(tiles.begin(), tiles.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const Tile& tile) { return sum + tile.points; });
+}
+
+ReadResult read_these(const std::filesystem::path& file, const TiledScan& scan,
+                      const std::vector<Tile>& tiles, Progress& progress, TileChoices* choices) {
+  const std::uint64_t points = points_of(tiles);
   if (points > memory_limit() / (2 * scan.record + 32))
     throw Error(ErrorCode::out_of_memory, file.string() + ": " + std::to_string(points) +
                                               " points do not fit into memory; take fewer (--max-points N)");
-  return scan.read(tiles, progress);
+  return scan.read(tiles, progress, choices);
+}
+
+}  // namespace
+
+ReadResult read_tiled(const std::filesystem::path& file, const TiledScan& scan, const ReadOptions& options,
+                      Progress& progress) {
+  return read_these(file, scan, tiles_of(scan, options.max_points), progress, nullptr);
+}
+
+std::optional<ReadResult> read_part_of_tiles(const std::filesystem::path& file, const ReadOptions& options,
+                                             Progress& progress) {
+  const TiledScan scan = open_tiled(file, progress);
+  std::vector<Tile> tiles = tiles_of(scan, options.max_points);
+  const std::uint64_t total = points_of(tiles);
+  if (total < least_cut_points) return std::nullopt;
+  // The coarse levels are a sample of all.
+  TileChoices choices{scan.bounds};
+  const std::vector<Tile> coarse = tiles_of(scan, sample_points);
+  read_these(file, scan, coarse, progress, &choices);
+  const Part part = *options.part;
+  std::uint64_t before = 0, first = total;
+  std::erase_if(tiles, [&](const Tile& tile) {
+    const std::uint64_t middle = before + tile.points / 2;
+    const bool is_own = middle >= part.begin(total) && middle < part.end(total);
+    if (is_own) first = std::min(first, before);
+    before += tile.points;
+    return !is_own;
+  });
+  ReadResult result = read_these(file, scan, tiles, progress, &choices);
+  if (options.max_points && *options.max_points < total) {
+    const Subsample kept(total, *options.max_points);
+    std::vector<std::uint32_t> places;
+    for (std::size_t i = 0; i < result.cloud.size(); ++i)
+      if (kept.takes(first + i)) places.push_back(std::uint32_t(i));
+    result.cloud = select(result.cloud, places);
+  }
+  return result;
 }
 
 std::vector<std::string> names_of(const TileLayout& layout) {
@@ -116,8 +167,9 @@ std::vector<std::string> names_of(const TileLayout& layout) {
 
 ReadResult read_tiles(const std::filesystem::path& file, const TileLayout& layout,
                       const std::vector<Tile>& tiles,
-                      const std::function<std::vector<std::byte>(const Tile&)>& load, Progress& progress) {
-  if (tiles.empty()) return {};
+                      const std::function<std::vector<std::byte>(const Tile&)>& load, Progress& progress,
+                      TileChoices* choices) {
+  if (tiles.empty() && !choices) return {};
   const Expansion expansion(layout);
   for (const Role role : {Role::x, Role::y, Role::z})
     if (column_of(expansion.columns(), role) < 0)
@@ -148,11 +200,22 @@ ReadResult read_tiles(const std::filesystem::path& file, const TileLayout& layou
     loaded[i] = {};
   });
   ReadResult result;
-  builder.finish(cursors, result);
+  const bool are_chosen = choices && choices->of_records;
+  builder.finish(cursors, result, are_chosen ? &*choices->of_records : nullptr);
+  if (!choices || are_chosen) return result;
+  choices->of_records = builder.choices();
+  const ReadReport& report = result.report;
+  const std::optional<Bounds>& said = choices->bounds;
+  if (said && glm::all(glm::lessThanEqual(said->min, report.bounds_min)) &&
+      glm::all(glm::lessThanEqual(report.bounds_max, said->max)))
+    choices->of_records->origin = choose_origin(
+        said->min, said->max,
+        !is_wide(expansion.columns()[std::size_t(column_of(expansion.columns(), Role::x))].stored));
   return result;
 }
 
-ReadResult read_las_tiles(const std::vector<std::filesystem::path>& files, Progress& progress) {
+ReadResult read_las_tiles(const std::vector<std::filesystem::path>& files, Progress& progress,
+                          TileChoices* choices) {
   std::vector<std::unique_ptr<las::RecordFile>> opened(files.size());
   las::parallel_tasks(files.size(), progress, "opening tiles",
                       [&](std::size_t i) { opened[i] = std::make_unique<las::RecordFile>(files[i]); });
@@ -179,7 +242,9 @@ ReadResult read_las_tiles(const std::vector<std::filesystem::path>& files, Progr
   (*begin)->read(0, [&](std::uint64_t at, const std::uint8_t* records, std::size_t) {
     if (at == 0) std::copy_n(records, record.size(), record.begin());
   });
-  las::PointCollector points(header, record);
+  const bool are_chosen = choices && choices->of_las;
+  auto points =
+      are_chosen ? las::PointCollector(header, *choices->of_las) : las::PointCollector(header, record);
   points.resize(first.back());
   std::vector<las::PointCollector::Stats> stats(opened.size(), points.empty_stats());
   las::parallel_tasks(opened.size(), progress, "decoding points", [&](std::size_t i) {
@@ -189,7 +254,11 @@ ReadResult read_las_tiles(const std::vector<std::filesystem::path>& files, Progr
         points.unpack(first[i] + at, records, count, stats[i]);
       });
   });
-  return points.finish(stats, progress);
+  ReadResult result = points.finish(stats, progress);
+  if (choices && !are_chosen)
+    choices->of_las = {record, las::origin_of(header, result, choices->bounds),
+                       result.cloud.colors.empty() ? 16 : result.cloud.las->color_bits};
+  return result;
 }
 
 std::vector<std::byte> unpack_zstd(const std::filesystem::path& file, std::span<const std::byte> packed,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/columns.h"
+#include "io/las_points.h"
 
 namespace sfumato::io {
 
@@ -36,6 +37,13 @@ struct Tile {
   std::array<std::uint32_t, 3> cell{};  ///< of the 2^level along each axis
 };
 
+/// What is chosen for all tiles by some of them.
+struct TileChoices {
+  std::optional<Bounds> bounds;  ///< what the description says of all points
+  std::optional<CloudBuilder::Choices> of_records;
+  std::optional<las::WholeFile> of_las;
+};
+
 /// A scan known from its description and hierarchy, before any point is read.
 struct TiledScan {
   const char* format = "";
@@ -46,7 +54,8 @@ struct TiledScan {
   std::string crs;
   std::vector<std::string> attributes;
   std::size_t record = 0;  ///< bytes of a point
-  std::function<ReadResult(const std::vector<Tile>&, Progress&)> read;
+  /// Choices that are null: by these tiles; that are empty: by these, and left there; else those.
+  std::function<ReadResult(const std::vector<Tile>&, Progress&, TileChoices*)> read;
 };
 bool is_tiled(std::string_view head);
 /// Reads description and hierarchy. Throws Error(bad_input) when they are damaged.
@@ -66,10 +75,12 @@ std::vector<std::string> names_of(const TileLayout& layout);
 /// `load` gives the records of a tile; from several threads.
 ReadResult read_tiles(const std::filesystem::path& file, const TileLayout& layout,
                       const std::vector<Tile>& tiles,
-                      const std::function<std::vector<std::byte>(const Tile&)>& load, Progress& progress);
+                      const std::function<std::vector<std::byte>(const Tile&)>& load, Progress& progress,
+                      TileChoices* choices);
 
 /// Tiles that are LAS or LAZ files, of one layout.
-ReadResult read_las_tiles(const std::vector<std::filesystem::path>& files, Progress& progress);
+ReadResult read_las_tiles(const std::vector<std::filesystem::path>& files, Progress& progress,
+                          TileChoices* choices);
 
 /// Throw Error(bad_input) where the bytes are damaged, are not `size` unpacked, or the library is absent.
 std::vector<std::byte> unpack_zstd(const std::filesystem::path& file, std::span<const std::byte> packed,

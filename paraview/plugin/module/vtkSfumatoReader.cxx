@@ -3,9 +3,8 @@
 #include <sfumato/cloud.h>
 #include <sfumato/io.h>
 
-#include <vector>
-
 #include "cloud_of_blocks.h"
+#include "io/las_fields.h"
 #include "vtkCellArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -17,34 +16,34 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnsignedCharArray.h"
 
 namespace {
 
-/// One array with a value of each point from `first` on: `put(array, i, k)` sets that of point `first + k`.
+/// One array with a value of each point: `put(array, i)` sets that of point `i`.
 template <class Array, class Put>
-void add_array(vtkPointData& data, const char* name, int components, std::size_t first, std::size_t count, Put put,
-               bool are_normals = false) {
-  vtkNew<Array> array;
-  array->SetName(name);
+vtkSmartPointer<Array> array_of(const std::string& name, int components, std::size_t count, Put put) {
+  const auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name.c_str());
   array->SetNumberOfComponents(components);
   array->SetNumberOfTuples(vtkIdType(count));
-  for (std::size_t k = 0; k < count; ++k) put(array.Get(), first + k, vtkIdType(k));
-  if (are_normals) data.SetNormals(array);
-  else data.AddArray(array);
+  for (std::size_t i = 0; i < count; ++i) put(*array, i);
+  return array;
 }
 
-/// Points [first, first + count), each a vertex of its own, so that it can be selected.
-void fill(const sfumato::PointCloud& cloud, std::size_t first, std::size_t count, vtkPolyData& out) {
+/// The points, each a vertex of its own, so that it can be selected.
+void fill(const sfumato::PointCloud& cloud, vtkPolyData& out) {
+  const std::size_t count = cloud.size();
   // Whole coordinates where floats hold them.
   const bool is_large = cloud.origin != sfumato::dvec3(0);
   vtkNew<vtkPoints> places;
   places->SetDataType(is_large ? VTK_DOUBLE : VTK_FLOAT);
   places->SetNumberOfPoints(vtkIdType(count));
-  for (std::size_t k = 0; k < count; ++k) {
-    const sfumato::dvec3 place = cloud.world(first + k);
-    places->SetPoint(vtkIdType(k), place.x, place.y, place.z);
+  for (std::size_t i = 0; i < count; ++i) {
+    const sfumato::dvec3 place = cloud.world(i);
+    places->SetPoint(vtkIdType(i), place.x, place.y, place.z);
   }
   out.SetPoints(places);
   vtkNew<vtkDoubleArray> origin;
@@ -54,33 +53,37 @@ void fill(const sfumato::PointCloud& cloud, std::size_t first, std::size_t count
   out.GetFieldData()->AddArray(origin);
   vtkNew<vtkCellArray> vertices;
   vertices->AllocateExact(vtkIdType(count), vtkIdType(count));
-  for (vtkIdType k = 0; k < vtkIdType(count); ++k) vertices->InsertNextCell(1, &k);
+  for (vtkIdType i = 0; i < vtkIdType(count); ++i) vertices->InsertNextCell(1, &i);
   out.SetVerts(vertices);
 
   vtkPointData& data = *out.GetPointData();
+  const auto add = [&](const auto& array) { data.AddArray(array); };
   if (!cloud.colors.empty())
-    add_array<vtkUnsignedCharArray>(data, "RGB", 3, first, count, [&](auto* array, std::size_t i, vtkIdType k) {
+    add(array_of<vtkUnsignedCharArray>("RGB", 3, count, [&](auto& array, std::size_t i) {
       const sfumato::Rgba8 c = cloud.colors[i];
-      array->SetTypedComponent(k, 0, c.r), array->SetTypedComponent(k, 1, c.g), array->SetTypedComponent(k, 2, c.b);
-    });
+      const unsigned char values[] = {c.r, c.g, c.b};
+      array.SetTypedTuple(vtkIdType(i), values);
+    }));
   if (!cloud.normals.empty())
-    add_array<vtkFloatArray>(
-        data, "Normals", 3, first, count,
-        [&](auto* array, std::size_t i, vtkIdType k) { array->SetTypedTuple(k, &cloud.normals[i].x); }, true);
+    data.SetNormals(array_of<vtkFloatArray>("Normals", 3, count, [&](auto& array, std::size_t i) {
+      array.SetTypedTuple(vtkIdType(i), &cloud.normals[i].x);
+    }));
   if (!cloud.radii.empty())
-    add_array<vtkFloatArray>(data, "radius", 1, first, count, [&](auto* array, std::size_t i, vtkIdType k) {
-      array->SetTypedComponent(k, 0, cloud.radii[i]);
-    });
+    add(array_of<vtkFloatArray>(
+        "radius", 1, count, [&](auto& array, std::size_t i) { array.SetValue(vtkIdType(i), cloud.radii[i]); }));
+  using sfumato::io::las::residual_suffix;
   for (const sfumato::ScalarField& field : cloud.scalars) {
-    const char* name = field.name.c_str();
-    if (field.offset == 0)
-      add_array<vtkFloatArray>(data, name, 1, first, count, [&](auto* array, std::size_t i, vtkIdType k) {
-        array->SetTypedComponent(k, 0, field.values[i]);
-      });
+    // What values were rounded by goes back to them; low bytes of colours are for copies.
+    if (field.name.ends_with(residual_suffix) || field.name == sfumato::io::las::rgb_low_name) continue;
+    const sfumato::ScalarField* rest = cloud.scalar(field.name + residual_suffix);
+    if (field.offset == 0 && !rest)
+      add(array_of<vtkFloatArray>(field.name, 1, count, [&](auto& array, std::size_t i) {
+        array.SetValue(vtkIdType(i), field.values[i]);
+      }));
     else
-      add_array<vtkDoubleArray>(data, name, 1, first, count, [&](auto* array, std::size_t i, vtkIdType k) {
-        array->SetTypedComponent(k, 0, field.value(i));
-      });
+      add(array_of<vtkDoubleArray>(field.name, 1, count, [&](auto& array, std::size_t i) {
+        array.SetValue(vtkIdType(i), field.value(i) + (rest ? rest->value(i) : 0));
+      }));
   }
 }
 
@@ -105,17 +108,15 @@ int vtkSfumatoReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
   const auto number = [&](vtkInformationIntegerKey* key, int otherwise) {
     return wanted->Has(key) ? wanted->Get(key) : otherwise;
   };
-  const std::size_t piece = std::size_t(number(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), 0));
-  const std::size_t pieces =
-      std::size_t(number(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), 1));
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
   try {
     sfumato::io::ReadOptions options;
+    options.part = sfumato::io::Part{std::uint64_t(number(Pipeline::UPDATE_PIECE_NUMBER(), 0)),
+                                     std::uint64_t(number(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1))};
     if (this->MaximumPoints > 0) options.max_points = std::uint64_t(this->MaximumPoints);
     const sfumato::io::ReadResult read = sfumato::io::read(this->FileName, options);
     for (const std::string& line : read.report.damage) vtkWarningMacro(<< line);
-    const std::size_t all = read.cloud.size();
-    const std::size_t first = all * piece / pieces, end = all * (piece + 1) / pieces;
-    fill(read.cloud, first, end - first, *vtkPolyData::GetData(wanted));
+    fill(read.cloud, *vtkPolyData::GetData(wanted));
   } catch (const sfumato::Error& error) {
     vtkErrorMacro(<< error.what());
     return 0;
