@@ -125,6 +125,12 @@ std::string reader() {
         <IntRangeDomain name="range" min="0"/>
         <Documentation>At most so many points, from everywhere in the file; 0: all of them.</Documentation>
       </IntVectorProperty>
+      <IntVectorProperty name="PointBudget" command="SetPointBudget" number_of_elements="1" default_values="5000000"
+        panel_visibility="advanced">
+        <IntRangeDomain name="range" min="0"/>
+        <Documentation>Of files with levels of detail (COPC, EPT, Potree) that have more points: coarse levels of so many,
+          and in views as Sfumato as many of the levels that the view needs; 0: all points.</Documentation>
+      </IntVectorProperty>
     </SourceProxy>
   </ProxyGroup>
   <ProxyGroup name="sources">
@@ -135,6 +141,7 @@ std::string reader() {
         <Proxy name="Reader" proxygroup="internal_sources" proxyname="SfumatoReaderCore"/>
         <ExposedProperties>
           <Property name="MaximumPoints"/>
+          <Property name="PointBudget"/>
         </ExposedProperties>
       </SubProxy>
       <StringVectorProperty name="FileNameInfo" command="GetCurrentFileName" information_only="1">

@@ -12,8 +12,6 @@ sys.argv = [sys.argv[0], "", PLUGIN, "/tmp", "bench"]
 with open(__file__.replace("bench.py", "cases.py")) as file:
     exec(file.read().rsplit("globals()[CASE]()", 1)[0])
 
-from vtkmodules.vtkCommonSystem import vtkTimerLog
-
 
 def merged_bytes():
     """That this rank sent since it was asked last: of pixels, for each frame."""

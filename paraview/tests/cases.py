@@ -17,6 +17,7 @@ import numpy as np
 from paraview import simple as pv
 from paraview.modules.vtkRemotingCore import vtkProcessModule
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonSystem import vtkTimerLog
 from vtkmodules.vtkIOImage import vtkPNGReader
 
 COMMAND, PLUGIN, SCRATCH, CASE = sys.argv[1:5]
@@ -421,6 +422,79 @@ def reader():
         assert series.GetDataInformation().GetNumberOfPoints() == count
         view.ViewTime = time
         same(shot(view, f"time{time}"), of_command(count, "points", file=names[time]), f"time {time}", OF_ONE_DEPTH)
+
+
+def read_for_views():
+    """Points of each view that was read since this was asked last."""
+    texts = [vtkTimerLog.GetEventString(i) or "" for i in range(vtkTimerLog.GetNumberOfEvents())]
+    vtkTimerLog.ResetLog()
+    return [int(found[1]) for found in (re.match(r"sfumato: (\d+) points of", text) for text in texts) if found]
+
+
+def levels():
+    """Of a file with more points than the budget each view has what it needs, on however many ranks; filters have the
+    coarse levels."""
+    total, budget = 800000, 130000  # the coarsest level has 40,000, the next one 103,000
+    name = os.path.join(SCRATCH, f"levels{RANKS}.copc.laz")
+    subprocess.run([COMMAND, "build", scan_file(total), "-o", name, "--quiet"], check=True)
+    points = pv.OpenDataFile(name)
+    points.PointBudget = budget
+    points.UpdatePipeline()
+    coarse = points.GetDataInformation().GetNumberOfPoints()
+    assert 30000 < coarse < 50000, coarse
+    view = view_of()
+    pixels_of_points = dict(SfumatoPointsPointSize=10, SfumatoPointsSizeMode="pixels")
+    options = ["--point-size", "10", "--size-mode", "pixels"]
+    show(points, view, "points", **pixels_of_points)
+    read_for_views()
+    far = shot(view, "far")
+    assert 0 < max(read_for_views()) <= budget
+    of_all = of_command(total, "points", file=name, options=options)
+    d = differences(far, of_all)
+    print(f"far: {(d > 8).mean():.2%} of the pixels differ from all points by more than 8")
+    # So near the surface that only the finest level covers it.
+    CAMERA.update(position=[1.35, 0.571, 0.587], target=[1.15, 0.486, 0.313])
+    near = shot(view, "near")
+    read = read_for_views()
+    assert len(read) == 1 and read[0] <= budget, read
+    of_all = of_command(total, "points", file=name, options=options)
+    same(near, of_all, "near", 0.01, 8)
+    # The same view once more, and one that somebody is on the way to: what is there stays.
+    assert (shot(view, "again") == near).all()
+    view.CameraPosition = [3.0, -4.0, 2.5]
+    view.SMProxy.InteractiveRender()
+    assert not read_for_views()
+    # A filter's own points, which are those of the coarse levels.
+    pv.Hide(points, view)
+    moved = pv.Transform(points)
+    moved.Transform.Translate = [0.0, 0.0, 0.0]
+    show(moved, view, "points", **pixels_of_points)
+    alone = shot(view, "coarse")
+    d = differences(alone, of_all)
+    print(f"the coarse levels alone: {(d > 8).mean():.2%} of the pixels differ by more than 8")
+    assert (d > 8).mean() > 0.3
+    pv.Hide(moved, view)
+    # One that leaves the places as they are, and adds values that the file does not have.
+    doubled = pv.Calculator(points)
+    doubled.Function = "2 * coordsZ"
+    show(doubled, view, "points", **pixels_of_points)
+    assert (shot(view, "values") == alone).all()
+    assert not read_for_views()
+    pv.Hide(doubled, view)
+    # All points, where they are asked for.
+    points.PointBudget = 0
+    points.UpdatePipeline()
+    assert points.GetDataInformation().GetNumberOfPoints() == total
+    show(points, view, "points", **pixels_of_points)
+    same(shot(view, "all"), of_all, "all", OF_ONE_DEPTH)
+    assert not read_for_views()
+
+
+def levels_are_equal():
+    for what in ("far", "near", "coarse"):
+        one, two, four = (pixels(os.path.join(SCRATCH, f"levels_{ranks}_{what}.png")) for ranks in (1, 2, 4))
+        assert (two == four).all(), what
+        same(one, two, what, ALIKE)
 
 
 def server():

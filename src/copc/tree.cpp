@@ -125,18 +125,41 @@ Tree read_tree(const std::filesystem::path& path, Progress& progress) {
   return tree;
 }
 
+TreeChoices choices_of(const Tree& tree, Progress& progress) {
+  TreeChoices choices;
+  if (tree.tiled)
+    choices.of_tiles = io::choices_of(tree.file, *tree.tiled, progress);
+  else
+    choices.of_las = io::las::whole_file(tree.file, progress);
+  return choices;
+}
+
+std::vector<std::size_t> part_of(const Tree& tree, const std::vector<std::size_t>& nodes,
+                                 const io::Part& part) {
+  std::uint64_t total = 0, before = 0;
+  for (const std::size_t i : nodes) total += tree.nodes[i].points;
+  std::vector<std::size_t> own;
+  for (const std::size_t i : nodes) {
+    if (part.holds(before, tree.nodes[i].points, total)) own.push_back(i);
+    before += tree.nodes[i].points;
+  }
+  return own;
+}
+
 io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes, Progress& progress,
-                          const io::KeptChunks& kept) {
+                          const io::KeptChunks& kept, const TreeChoices* choices) {
   std::vector<std::size_t> in_order = nodes;
   std::sort(in_order.begin(), in_order.end());
   if (tree.tiled) {
     std::vector<io::Tile> tiles;
     for (std::size_t i : in_order) tiles.push_back(tree.tiled->tiles[i]);
-    return tree.tiled->read(tiles, progress, nullptr);
+    io::TileChoices of_tiles;
+    if (choices) of_tiles = choices->of_tiles;
+    return tree.tiled->read(tiles, progress, choices ? &of_tiles : nullptr);
   }
   std::vector<io::las::LazChunk> chunks;
   for (std::size_t i : in_order) chunks.push_back(tree.nodes[i].chunk);
-  return io::read_las_chunks(tree.file, chunks, progress, kept);
+  return io::read_las_chunks(tree.file, chunks, progress, kept, choices ? &choices->of_las : nullptr);
 }
 
 std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress, const io::KeptChunks& kept) {

@@ -56,10 +56,22 @@ bool is_tree(const std::filesystem::path& file);
 /// Reads header and hierarchy. Throws Error(bad_input) when they are damaged.
 Tree read_tree(const std::filesystem::path& file, Progress& progress = no_progress());
 
+/// What is decided of all nodes, for those who read some: their clouds agree, as of io::ReadOptions::part.
+struct TreeChoices {
+  io::las::WholeFile of_las;
+  io::TileChoices of_tiles;
+};
+TreeChoices choices_of(const Tree& tree, Progress& progress = no_progress());
+
+/// Those of the nodes that the part has, by their points.
+std::vector<std::size_t> part_of(const Tree& tree, const std::vector<std::size_t>& nodes,
+                                 const io::Part& part);
+
 /// Reads the points of these nodes only (numbers in `tree.nodes`), in file order. Nodes that cannot be
-/// decoded are left out: see the report.
+/// decoded are left out: see the report. `choices`: else by what these nodes hold.
 io::ReadResult read_nodes(const Tree& tree, const std::vector<std::size_t>& nodes,
-                          Progress& progress = no_progress(), const io::KeptChunks& kept = {});
+                          Progress& progress = no_progress(), const io::KeptChunks& kept = {},
+                          const TreeChoices* choices = nullptr);
 
 /// `Tree::sample` along a Morton curve. Nothing where there is none, or where it is damaged.
 std::optional<io::ReadResult> read_sample(const Tree& tree, Progress& progress = no_progress(),

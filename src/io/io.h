@@ -28,6 +28,11 @@ struct Part {
   std::uint64_t index = 0, count = 1;
   std::uint64_t begin(std::uint64_t total) const { return start(index, total); }
   std::uint64_t end(std::uint64_t total) const { return start(index + 1, total); }
+  /// Whether points [first, first + points) of `total`, which are not to be parted, are among its.
+  bool holds(std::uint64_t first, std::uint64_t points, std::uint64_t total) const {
+    const std::uint64_t middle = first + points / 2;
+    return middle >= begin(total) && middle < end(total);
+  }
   bool operator==(const Part&) const = default;
 
  private:

@@ -338,8 +338,7 @@ std::optional<ReadResult> read_part_of_las(const std::filesystem::path& path, co
   las::LazChunks found = las::find_chunks(file, header);
   if (found.is_run) return std::nullopt;
   std::erase_if(found.chunks, [&](const las::LazChunk& chunk) {
-    const std::uint64_t middle = chunk.first + chunk.count / 2;
-    return middle < part.begin(header.count) || middle >= part.end(header.count);
+    return !part.holds(chunk.first, chunk.count, header.count);
   });
   const las::WholeFile whole = las::whole_file(path, progress);
   ReadResult result =

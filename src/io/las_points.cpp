@@ -328,6 +328,7 @@ std::int32_t PointCollector::median_step(int axis) const {
 
 void PointCollector::place_points(ReadResult& result, const Stats& total, Progress& progress) {
   PointCloud& cloud = result.cloud;
+  if (whole_) cloud.origin = whole_->origin;
   std::string rounded;
   double by = 0;
   if (!positions_.empty()) {
@@ -336,8 +337,7 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
       const double b = header_.scale[axis] * total.high[std::size_t(axis)] + header_.offset[axis];
       result.report.bounds_min[axis] = std::min(a, b);
       result.report.bounds_max[axis] = std::max(a, b);
-      cloud.origin[axis] = round_center(std::min(a, b), std::max(a, b));
-      if (whole_) cloud.origin[axis] = whole_->origin[axis];
+      if (!whole_) cloud.origin[axis] = round_center(std::min(a, b), std::max(a, b));
       // Beyond that the file's last digits are lost, least where most points are.
       if (double(total.high[std::size_t(axis)]) - double(total.low[std::size_t(axis)]) > most_exact_steps) {
         if (!whole_) cloud.origin[axis] = header_.scale[axis] * median_step(axis) + header_.offset[axis];
@@ -366,7 +366,7 @@ void PointCollector::place_points(ReadResult& result, const Stats& total, Progre
 }
 
 void PointCollector::place_colors(ReadResult& result, Progress& progress) {
-  if (colors_.empty()) return;
+  if (color_columns_[0] < 0 || (colors_.empty() && !whole_)) return;
   ColorDepth depth;
   for (const auto& [r, g, b] : colors_) depth.add(r, g, b);
   const int bits = whole_ ? whole_->color_bits : depth.bits();

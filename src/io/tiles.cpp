@@ -126,21 +126,23 @@ ReadResult read_tiled(const std::filesystem::path& file, const TiledScan& scan, 
   return read_these(file, scan, tiles_of(scan, options.max_points), progress, nullptr);
 }
 
+TileChoices choices_of(const std::filesystem::path& file, const TiledScan& scan, Progress& progress) {
+  TileChoices choices{scan.bounds};
+  read_these(file, scan, tiles_of(scan, sample_points), progress, &choices);
+  return choices;
+}
+
 std::optional<ReadResult> read_part_of_tiles(const std::filesystem::path& file, const ReadOptions& options,
                                              Progress& progress) {
   const TiledScan scan = open_tiled(file, progress);
   std::vector<Tile> tiles = tiles_of(scan, options.max_points);
   const std::uint64_t total = points_of(tiles);
   if (total < least_cut_points) return std::nullopt;
-  // The coarse levels are a sample of all.
-  TileChoices choices{scan.bounds};
-  const std::vector<Tile> coarse = tiles_of(scan, sample_points);
-  read_these(file, scan, coarse, progress, &choices);
+  TileChoices choices = choices_of(file, scan, progress);
   const Part part = *options.part;
   std::uint64_t before = 0, first = total;
   std::erase_if(tiles, [&](const Tile& tile) {
-    const std::uint64_t middle = before + tile.points / 2;
-    const bool is_own = middle >= part.begin(total) && middle < part.end(total);
+    const bool is_own = part.holds(before, tile.points, total);
     if (is_own) first = std::min(first, before);
     before += tile.points;
     return !is_own;

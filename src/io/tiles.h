@@ -66,6 +66,9 @@ TiledScan open_potree(const std::filesystem::path& file, Progress& progress);
 ReadResult read_tiled(const std::filesystem::path& file, const TiledScan& scan, const ReadOptions& options,
                       Progress& progress);
 
+/// By the coarse levels, which are a sample of all.
+TileChoices choices_of(const std::filesystem::path& file, const TiledScan& scan, Progress& progress);
+
 /// No more than a tile of any builder holds.
 inline constexpr std::uint64_t most_tile_bytes = 1 << 28;
 

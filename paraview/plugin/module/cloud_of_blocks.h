@@ -1,4 +1,4 @@
-// Points of ParaView's data as a cloud of ours.
+// Points of ParaView's data as a cloud of ours, and back.
 #pragma once
 
 #include <sfumato/cloud.h>
@@ -8,6 +8,9 @@ class vtkUnsignedCharArray;
 
 /// Field data of what the reader read: floats relative to this origin are those of the file.
 inline constexpr const char* origin_name = "sfumato_origin";
+
+/// The points with all that they have, each a vertex of its own, so that it can be selected.
+void Fill(const sfumato::PointCloud& cloud, vtkPolyData& out);
 
 class CloudOfBlocks {
  public:

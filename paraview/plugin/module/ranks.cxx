@@ -178,12 +178,14 @@ void Take(Bytes& bytes, PointCloud& points) {
   bytes.TakeAll(points.colors), bytes.TakeAll(points.source_index);
 }
 
-bool Ranks::Any(bool holds) {
-  if (Count() < 2) return holds;
-  int own = holds, any = 0;
-  Controller()->AllReduce(&own, &any, 1, vtkCommunicator::MAX_OP);
-  return any != 0;
+int Ranks::Most(int own) {
+  if (Count() < 2) return own;
+  int most = 0;
+  Controller()->AllReduce(&own, &most, 1, vtkCommunicator::MAX_OP);
+  return most;
 }
+
+bool Ranks::Any(bool holds) { return Most(holds) != 0; }
 
 void Ranks::Together(const std::function<void()>& work) {
   std::exception_ptr wrong;
@@ -197,12 +199,12 @@ void Ranks::Together(const std::function<void()>& work) {
   if (any) throw sfumato::Error(sfumato::ErrorCode::no_gl, "another rank could not draw its part: see its message");
 }
 
-void Ranks::Broadcast(Bytes& bytes) {
+void Ranks::Broadcast(Bytes& bytes, int from) {
   if (Count() < 2) return;
   vtkIdType length = vtkIdType(bytes.all.size());
-  Controller()->Broadcast(&length, 1, 0);
+  Controller()->Broadcast(&length, 1, from);
   bytes.all.resize(std::size_t(length));
-  Controller()->Broadcast(bytes.all.data(), length, 0);
+  Controller()->Broadcast(bytes.all.data(), length, from);
 }
 
 void Ranks::Send(const Bytes& bytes, int to) {

@@ -63,7 +63,9 @@ class Ranks {
   static bool Any(bool holds);
   /// Throws what `work` throws on this rank, and Error where it throws on another: nobody waits for who is gone.
   static void Together(const std::function<void()>& work);
-  static void Broadcast(Bytes& bytes);
+  static void Broadcast(Bytes& bytes, int from = 0);
+  /// The largest of all.
+  static int Most(int own);
   /// On the first rank the merge of the values of all; on the others something. In pairs, then in pairs of pairs:
   /// each rank sends once. Returns the bytes that this one sent.
   template <class T>

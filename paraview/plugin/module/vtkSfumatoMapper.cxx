@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "cloud_of_blocks.h"
 #include "gl/host_canvas.h"
+#include "levels_of_file.h"
+#include "passes/light.h"
 #include "ranks.h"
 #include "session/choice.h"
 #include "session/look.h"
@@ -27,6 +30,7 @@
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkScalarsToColors.h"
+#include "vtkSmartPointer.h"
 #include "vtkTimerLog.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkWeakPointer.h"
@@ -42,7 +46,7 @@ sfumato::dmat4 columns_of(const vtkMatrix4x4& rows) {
 
 /// Those that differ from the technique's own.
 sfumato::Parameters changed_parameters(const std::string& technique,
-                                       const std::map<std::string, std::string>& given) {
+                                       const std::map<std::string, std::string>& given, bool* casts_shadows = nullptr) {
   const bool is_auto = technique == sfumato::automatic_technique;
   sfumato::Look look(is_auto ? "points" : technique);
   for (const auto& [name, value] : given) {
@@ -51,6 +55,7 @@ sfumato::Parameters changed_parameters(const std::string& technique,
     else if (!is_auto && name.compare(0, dot, technique) == 0) look.set(name.substr(dot + 1), value);
   }
   look.check();
+  if (casts_shadows) *casts_shadows = sfumato::casts_shadows(look.settings.shadows);
   sfumato::Parameters out = look.changed();
   return out;
 }
@@ -70,6 +75,9 @@ std::vector<vtkPolyData*> blocks_of(vtkDataObject* input) {
 
 }  // namespace
 
+/// Frames a second that ParaView asks for while somebody moves the view; for the last picture it asks for .002.
+constexpr double rate_of_moving = 0.1;
+
 struct vtkSfumatoMapper::State {
   std::unique_ptr<sfumato::EmbeddedRenderer> renderer;
   vtkWeakPointer<vtkWindow> window;  ///< in whose context it draws
@@ -82,6 +90,11 @@ struct vtkSfumatoMapper::State {
   std::shared_ptr<const sfumato::WholeCloud> whole;
   // Of the points that are shown; all: they were gathered.
   bool has_part = false, has_all = false;
+  // Of a file with levels what the last view needed, in place of the input.
+  std::shared_ptr<LevelsOfFile> levels;
+  sfumato::copc::NodeSelection selection;
+  vtkSmartPointer<vtkPolyData> detail;
+  std::set<std::string> damage;  ///< that was said
 };
 
 vtkStandardNewMacro(vtkSfumatoMapper);
@@ -112,10 +125,15 @@ void vtkSfumatoMapper::SetDistributed(bool distributed) {
   this->BoundsOfAllRanks = all;
 }
 
+std::vector<vtkPolyData*> vtkSfumatoMapper::Blocks() {
+  if (this->Own->detail) return {this->Own->detail};
+  return blocks_of(this->GetInputDataObject(0, 0));
+}
+
 std::string vtkSfumatoMapper::DescribeInput(vtkActor* actor) {
   std::string out;
   const auto add = [&](auto value) { out += std::to_string(value) + ' '; };
-  for (vtkPolyData* block : blocks_of(this->GetInputDataObject(0, 0))) {
+  for (vtkPolyData* block : this->Blocks()) {
     add(reinterpret_cast<std::uintptr_t>(block)), add(block->GetMTime());
     add(block->GetPoints() ? block->GetPoints()->GetMTime() : 0);
   }
@@ -133,7 +151,7 @@ CloudOfBlocks vtkSfumatoMapper::CloudOf(vtkActor* actor) {
   const double* solid = actor->GetProperty()->GetDiffuseColor();
   const auto byte = [](double value) { return (unsigned char)std::lround(255 * std::clamp(value, 0.0, 1.0)); };
   CloudOfBlocks cloud(columns_of(*actor->GetMatrix()), {byte(solid[0]), byte(solid[1]), byte(solid[2]), 255});
-  for (vtkPolyData* block : blocks_of(this->GetInputDataObject(0, 0))) {
+  for (vtkPolyData* block : this->Blocks()) {
     int is_of_cells = 0;
     vtkUnsignedCharArray* colors =
         this->ScalarVisibility ? this->MapScalars(block, 1.0, is_of_cells) : nullptr;
@@ -162,6 +180,75 @@ sfumato::HostView view_of(vtkRenderer* renderer, int& left, int& bottom) {
 }
 
 }  // namespace
+
+void vtkSfumatoMapper::ChooseDetail(vtkRenderer* renderer, vtkActor* actor, bool is_distributed) {
+  State& own = *this->Own;
+  std::shared_ptr<LevelsOfFile> levels;
+  vtkIdType points = 0;
+  bool is_other = false;
+  for (vtkPolyData* block : blocks_of(this->GetInputDataObject(0, 0))) {
+    const vtkIdType count = block->GetNumberOfPoints();
+    std::shared_ptr<LevelsOfFile> found = LevelsOfFile::Of(*block);
+    is_other = is_other || (count > 0 && (!found || (levels && levels != found)));
+    if (found) levels = std::move(found);
+    points += count;
+  }
+  // Boxes of nodes are where the file's points are.
+  is_other = is_other || columns_of(*actor->GetMatrix()) != sfumato::dmat4(1);
+  int left = 0, bottom = 0;
+  sfumato::HostView view = view_of(renderer, left, bottom);
+  bool is_moving = renderer->GetRenderWindow()->GetDesiredUpdateRate() > rate_of_moving;
+  int who = levels ? Ranks::Own() : -1;
+  if (is_distributed) {
+    is_other = Ranks::Any(is_other), who = Ranks::Most(who);
+    // All read for the view of the first.
+    Bytes bytes;
+    bytes.Put(view), bytes.Put(is_moving);
+    Ranks::Broadcast(bytes);
+    bytes.Take(view), bytes.Take(is_moving);
+  }
+  if (is_other || who < 0) {
+    own.levels.reset(), own.detail = nullptr;
+    return;
+  }
+  if (is_distributed && Ranks::Any(!levels)) {
+    // A rank that got no point of the overview may have some of a view.
+    Bytes bytes;
+    if (Ranks::Own() == who) {
+      const std::string& file = levels->File();
+      bytes.PutAll(std::vector<char>(file.begin(), file.end())), bytes.Put(levels->Budget());
+    }
+    Ranks::Broadcast(bytes, who);
+    std::vector<char> file;
+    std::uint64_t budget = 0;
+    bytes.TakeAll(file), bytes.Take(budget);
+    Ranks::Together([&] {
+      if (!levels) levels = LevelsOfFile::Named({file.begin(), file.end()}, budget);
+    });
+  }
+  const bool is_new = is_distributed ? Ranks::Any(own.levels != levels) : own.levels != levels;
+  if (is_new) own.levels = levels, own.detail = nullptr;
+  if (is_moving || view.width <= 0 || view.height <= 0) return;
+  const auto read = [&] {
+    bool has_shadows = false;
+    changed_parameters(sfumato::automatic_technique, this->Parameters, &has_shadows);
+    sfumato::copc::NodeSelection wanted = levels->Select(
+        sfumato::camera_of_matrices(view.view, view.projection, view.width, view.height), has_shadows);
+    if (own.detail && wanted.reads_like(own.selection)) return;
+    const sfumato::io::Part part{std::uint64_t(is_distributed ? Ranks::Own() : 0),
+                                 std::uint64_t(is_distributed ? Ranks::Count() : 1)};
+    const sfumato::io::ReadResult result = levels->Read(wanted, part);
+    for (const std::string& line : result.report.damage)
+      if (own.damage.insert(line).second) vtkWarningMacro(<< line);
+    own.detail = vtkSmartPointer<vtkPolyData>::New();
+    Fill(result.cloud, *own.detail);
+    vtkTimerLog::FormatAndMarkEvent("sfumato: %llu points of %zu nodes for a view",
+                                    static_cast<unsigned long long>(wanted.points), wanted.nodes_read);
+    own.selection = std::move(wanted);
+  };
+  if (is_distributed) Ranks::Together(read);
+  else read();
+}
 
 void vtkSfumatoMapper::ShowInput(vtkActor* actor) {
   CloudOfBlocks cloud = this->CloudOf(actor);
@@ -259,6 +346,7 @@ void vtkSfumatoMapper::Render(vtkRenderer* renderer, vtkActor* actor) {
       this->Own->window = renderer->GetRenderWindow();
     }
     const bool is_distributed = this->IsDistributed && Ranks::Count() > 1;
+    this->ChooseDetail(renderer, actor, is_distributed);
     const std::string input = this->DescribeInput(actor);
     const bool is_new = input != this->Own->shown;
     if (is_distributed ? Ranks::Any(is_new) : is_new) {
@@ -282,7 +370,7 @@ void vtkSfumatoMapper::Draw(vtkRenderer* renderer) {
   points.request(this->Technique, view, changed_parameters(this->Technique, this->Parameters));
   // While somebody moves the view, a picture of the view before may do; the last one is always waited for.
   const double rate = renderer->GetRenderWindow()->GetDesiredUpdateRate();
-  const bool is_moving = rate > 0.1 && !this->IsDistributed;
+  const bool is_moving = rate > rate_of_moving && !this->IsDistributed;
   while (!points.wait(is_moving ? 1 / rate : 600) && !is_moving) {
   }
   GLint framebuffer = 0;

@@ -6,11 +6,13 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "vtkBoundingBox.h"
 #include "vtkCompositePolyDataMapper2.h"
 
 class CloudOfBlocks;
+class vtkPolyData;
 
 class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
  public:
@@ -44,6 +46,11 @@ class vtkSfumatoMapper : public vtkCompositePolyDataMapper2 {
   bool IsDistributed = false;
   vtkBoundingBox BoundsOfAllRanks;
 
+  /// What is drawn: the input, or in its place what a view needs of the levels of its file.
+  std::vector<vtkPolyData*> Blocks();
+  /// Reads that, where the input is the overview of such a file. While the view moves, what is there stays. All ranks have
+  /// to call it where points are spread over them.
+  void ChooseDetail(vtkRenderer* renderer, vtkActor* actor, bool is_distributed);
   /// What the points that are shown were made from; another one asks for them anew.
   std::string DescribeInput(vtkActor* actor);
   CloudOfBlocks CloudOf(vtkActor* actor);

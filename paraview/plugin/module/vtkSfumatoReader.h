@@ -16,6 +16,8 @@ class SFUMATOREPRESENTATIONS_EXPORT vtkSfumatoReader : public vtkPolyDataAlgorit
   const char* GetFileName() { return this->FileName.c_str(); }
   /// 0: all of them; else a deterministic subsample of at most so many.
   vtkSetMacro(MaximumPoints, int);
+  /// Of files with levels that have more points: the coarse levels, as many as have no more; 0: all points.
+  vtkSetMacro(PointBudget, int);
 
  protected:
   vtkSfumatoReader() { this->SetNumberOfInputPorts(0); }
@@ -28,6 +30,7 @@ class SFUMATOREPRESENTATIONS_EXPORT vtkSfumatoReader : public vtkPolyDataAlgorit
   void operator=(const vtkSfumatoReader&) = delete;
   std::string FileName;
   int MaximumPoints = 0;
+  int PointBudget = 0;
 };
 
 #endif
