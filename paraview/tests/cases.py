@@ -17,6 +17,7 @@ import numpy as np
 from paraview import simple as pv
 from paraview.modules.vtkRemotingCore import vtkProcessModule
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import VTK_UNSIGNED_CHAR
 from vtkmodules.vtkCommonSystem import vtkTimerLog
 from vtkmodules.vtkIOImage import vtkPNGReader
 
@@ -414,7 +415,8 @@ def reader():
     assert series.GetXMLName() == "SfumatoReader", series.GetXMLName()
     series.UpdatePipeline()
     assert len(series.TimestepValues) == 2, series.TimestepValues
-    assert "RGB" in series.PointData.keys(), series.PointData.keys()
+    types = {array.GetName(): array.GetDataType() for array in series.PointData.values()}
+    assert "RGB" in types and types["classification"] == VTK_UNSIGNED_CHAR, types
     view = view_of()
     show(series, view, "points")
     for time, count in enumerate(counts):

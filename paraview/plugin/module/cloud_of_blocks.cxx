@@ -20,7 +20,10 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
+#include "vtkShortArray.h"
+#include "vtkSignedCharArray.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkUnsignedShortArray.h"
 
 using sfumato::dmat4;
 using sfumato::dvec3;
@@ -42,7 +45,8 @@ vtkSmartPointer<Array> array_of(const std::string& name, int components, std::si
 
 }  // namespace
 
-void Fill(const PointCloud& cloud, vtkPolyData& out) {
+void Fill(const sfumato::io::ReadResult& read, vtkPolyData& out) {
+  const PointCloud& cloud = read.cloud;
   const std::size_t count = cloud.size();
   // Whole coordinates where floats hold them.
   const bool is_large = cloud.origin != dvec3(0);
@@ -79,19 +83,36 @@ void Fill(const PointCloud& cloud, vtkPolyData& out) {
   if (!cloud.radii.empty())
     add(array_of<vtkFloatArray>(
         "radius", 1, count, [&](auto& array, std::size_t i) { array.SetValue(vtkIdType(i), cloud.radii[i]); }));
+  // Small whole numbers of LAS are in bytes, of which many attributes are nothing but zeros. Points of several files
+  // may have NaN for what theirs does not say, and so do numbers that stand for no value.
+  const bool has_types = cloud.las && read.report.format != "vpc";
+  const auto is_whole = [&](const sfumato::ScalarField& field) {
+    return field.offset == 0 && std::none_of(cloud.las->steps.begin(), cloud.las->steps.end(),
+                                             [&](const sfumato::LasStep& step) { return step.name == field.name; });
+  };
   using sfumato::io::las::residual_suffix;
   for (const sfumato::ScalarField& field : cloud.scalars) {
     // What values were rounded by goes back to them; low bytes of colours are for copies.
     if (field.name.ends_with(residual_suffix) || field.name == sfumato::io::las::rgb_low_name) continue;
     const sfumato::ScalarField* rest = cloud.scalar(field.name + residual_suffix);
-    if (field.offset == 0 && !rest)
-      add(array_of<vtkFloatArray>(field.name, 1, count, [&](auto& array, std::size_t i) {
-        array.SetValue(vtkIdType(i), field.values[i]);
+    const auto add_as = [&]<class Array>() {
+      add(array_of<Array>(field.name, 1, count, [&](auto& array, std::size_t i) {
+        array.SetValue(vtkIdType(i), typename Array::ValueType(field.values[i]));
       }));
-    else
-      add(array_of<vtkDoubleArray>(field.name, 1, count, [&](auto& array, std::size_t i) {
-        array.SetValue(vtkIdType(i), field.value(i) + (rest ? rest->value(i) : 0));
-      }));
+    };
+    using sfumato::StoredType;
+    switch (has_types && is_whole(field) ? field.type : StoredType::float32) {
+      case StoredType::uint8: add_as.template operator()<vtkUnsignedCharArray>(); break;
+      case StoredType::int8: add_as.template operator()<vtkSignedCharArray>(); break;
+      case StoredType::uint16: add_as.template operator()<vtkUnsignedShortArray>(); break;
+      case StoredType::int16: add_as.template operator()<vtkShortArray>(); break;
+      default:
+        if (field.offset == 0 && !rest) add_as.template operator()<vtkFloatArray>();
+        else
+          add(array_of<vtkDoubleArray>(field.name, 1, count, [&](auto& array, std::size_t i) {
+            array.SetValue(vtkIdType(i), field.value(i) + (rest ? rest->value(i) : 0));
+          }));
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sfumato/cloud.h>
+#include <sfumato/io.h>
 
 class vtkPolyData;
 class vtkUnsignedCharArray;
@@ -10,7 +11,7 @@ class vtkUnsignedCharArray;
 inline constexpr const char* origin_name = "sfumato_origin";
 
 /// The points with all that they have, each a vertex of its own, so that it can be selected.
-void Fill(const sfumato::PointCloud& cloud, vtkPolyData& out);
+void Fill(const sfumato::io::ReadResult& read, vtkPolyData& out);
 
 class CloudOfBlocks {
  public:

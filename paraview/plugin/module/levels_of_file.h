@@ -24,8 +24,8 @@ class LevelsOfFile {
 
   /// `overview` is what was read of these levels.
   static void Give(std::shared_ptr<LevelsOfFile> levels, vtkPolyData& overview);
-  /// The levels whose overview this is, with no other coordinates or values: null behind filters that make new ones, and
-  /// where the points came from another process.
+  /// The levels whose overview this is, with no other coordinates or values: null behind filters that make new ones,
+  /// and where the points came from another process.
   static std::shared_ptr<LevelsOfFile> Of(vtkPolyData& block);
   /// Those that were given here, else opened anew.
   static std::shared_ptr<LevelsOfFile> Named(const std::string& file, std::uint64_t budget);

@@ -241,7 +241,7 @@ void vtkSfumatoMapper::ChooseDetail(vtkRenderer* renderer, vtkActor* actor, bool
     for (const std::string& line : result.report.damage)
       if (own.damage.insert(line).second) vtkWarningMacro(<< line);
     own.detail = vtkSmartPointer<vtkPolyData>::New();
-    Fill(result.cloud, *own.detail);
+    Fill(result, *own.detail);
     vtkTimerLog::FormatAndMarkEvent("sfumato: %llu points of %zu nodes for a view",
                                     static_cast<unsigned long long>(wanted.points), wanted.nodes_read);
     own.selection = std::move(wanted);

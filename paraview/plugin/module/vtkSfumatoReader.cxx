@@ -43,7 +43,7 @@ int vtkSfumatoReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
         levels ? levels->ReadOverview(part) : sfumato::io::read(this->FileName, options);
     for (const std::string& line : read.report.damage) vtkWarningMacro(<< line);
     vtkPolyData* points = vtkPolyData::GetData(wanted);
-    Fill(read.cloud, *points);
+    Fill(read, *points);
     if (levels) LevelsOfFile::Give(std::move(levels), *points);
   } catch (const sfumato::Error& error) {
     vtkErrorMacro(<< error.what());
