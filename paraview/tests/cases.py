@@ -461,6 +461,11 @@ def levels():
     assert len(read) == 1 and read[0] <= budget, read
     of_all = of_command(total, "points", file=name, options=options)
     same(near, of_all, "near", 0.01, 8)
+    # The tiles of a larger picture: one view of them all, and sizes alike.
+    pv.SaveScreenshot(os.path.join(SCRATCH, f"levels_large_{RANKS}.png"), view, ImageResolution=[2 * side for side in SIZE])
+    assert len(read_for_views()) <= 1
+    assert (shot(view, "small") == near).all()
+    read_for_views()
     # The same view once more, and one that somebody is on the way to: what is there stays.
     assert (shot(view, "again") == near).all()
     view.CameraPosition = [3.0, -4.0, 2.5]

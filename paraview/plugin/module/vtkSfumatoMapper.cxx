@@ -179,6 +179,20 @@ sfumato::HostView view_of(vtkRenderer* renderer, int& left, int& bottom) {
   return view;
 }
 
+/// The view of the picture of which a tile is being drawn, as of screenshots larger than the window.
+sfumato::HostView whole_view_of(vtkRenderer* renderer) {
+  int left = 0, bottom = 0;
+  sfumato::HostView view = view_of(renderer, left, bottom);
+  const int* tiles = renderer->GetRenderWindow()->GetTileScale();
+  const double* tile = renderer->GetRenderWindow()->GetTileViewport();
+  if (tiles[0] <= 1 && tiles[1] <= 1) return view;
+  sfumato::dmat4 whole(1);
+  for (int k = 0; k < 2; ++k) whole[k][k] = tile[k + 2] - tile[k], whole[3][k] = tile[k + 2] + tile[k] - 1;
+  view.projection = whole * view.projection;
+  view.width *= tiles[0], view.height *= tiles[1];
+  return view;
+}
+
 }  // namespace
 
 void vtkSfumatoMapper::ChooseDetail(vtkRenderer* renderer, vtkActor* actor, bool is_distributed) {
@@ -195,8 +209,7 @@ void vtkSfumatoMapper::ChooseDetail(vtkRenderer* renderer, vtkActor* actor, bool
   }
   // Boxes of nodes are where the file's points are.
   is_other = is_other || columns_of(*actor->GetMatrix()) != sfumato::dmat4(1);
-  int left = 0, bottom = 0;
-  sfumato::HostView view = view_of(renderer, left, bottom);
+  sfumato::HostView view = whole_view_of(renderer);
   bool is_moving = renderer->GetRenderWindow()->GetDesiredUpdateRate() > rate_of_moving;
   int who = levels ? Ranks::Own() : -1;
   if (is_distributed) {
