@@ -128,8 +128,8 @@ std::string reader() {
       <IntVectorProperty name="PointBudget" command="SetPointBudget" number_of_elements="1" default_values="5000000"
         panel_visibility="advanced">
         <IntRangeDomain name="range" min="0"/>
-        <Documentation>Of files with levels of detail (COPC, EPT, Potree) that have more points: coarse levels of so many,
-          and in views as Sfumato as many of the levels that the view needs; 0: all points.</Documentation>
+        <Documentation>Of files with levels of detail (COPC, EPT, Potree) that have more points, filters get the coarse levels
+          within so many, and the representation Sfumato draws at most so many of what a view needs; 0: all points.</Documentation>
       </IntVectorProperty>
     </SourceProxy>
   </ProxyGroup>
