@@ -147,9 +147,10 @@ class NpyHeader {
     if (is_cloud_) name_records();
   }
 
-  /// As --columns says, or where NumPy named them (f0, f1, ...) by their places.
+  /// Where no names say x, y and z: as --columns has them, or what NumPy calls f0, f1, ... by their places.
   void name_records() {
     std::vector<Column>& columns = array_.columns;
+    if (std::vector<Column> named = columns; assign_roles(named)) return;
     std::vector<std::string> names = options_.columns;
     if (names.empty()) {
       for (std::size_t k = 0; k < columns.size(); ++k)
@@ -160,6 +161,7 @@ class NpyHeader {
                                         " columns, --columns names " + std::to_string(names.size()));
     }
     for (std::size_t k = 0; k < std::min(names.size(), columns.size()); ++k) columns[k].name = names[k];
+    array_.has_names = false;
   }
 
   StoredType element(std::string_view text) {

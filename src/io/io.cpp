@@ -215,16 +215,20 @@ std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
   std::vector<vec3> shared;
   constexpr float infinite = std::numeric_limits<float>::infinity();
   vec3 low(infinite), high(-infinite);  // of the others
+  std::size_t others = 0;
   for (std::size_t i = 0, end; i < sample.size(); i = end) {
     for (end = i; end < sample.size() && sample[end] == sample[i];) ++end;
     if (end - i > most)
       shared.push_back(sample[i]);
     else
-      low = glm::min(low, sample[i]), high = glm::max(high, sample[i]);
+      ++others, low = glm::min(low, sample[i]), high = glm::max(high, sample[i]);
   }
+  // Where many places are shared, coordinates are coarse.
+  constexpr std::size_t others_each = 100;
+  if (others < others_each * shared.size()) return {};
   std::erase_if(shared, [&](const vec3& p) {
     const vec3 away = glm::max(low - p, p - high);
-    return !(std::max({away.x, away.y, away.z}) > glm::distance(low, high)) || low.x == infinite;
+    return !(std::max({away.x, away.y, away.z}) > glm::distance(low, high));
   });
   return shared;
 }

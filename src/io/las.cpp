@@ -40,7 +40,7 @@ std::vector<std::uint8_t> first_record(const InputFile& file, const Header& head
 }
 
 /// Records [begin, end) of `total`.
-struct Range {
+struct RecordRange {
   std::uint64_t begin = 0, end = 0, total = 0;
   bool is_part = false;  ///< of a file, which may be all of it
   std::uint64_t count() const { return end - begin; }
@@ -51,7 +51,7 @@ struct Range {
 class Thinning {
  public:
   /// Throws Error(out_of_memory) when the cloud does not fit and nobody asked for fewer points.
-  Thinning(const InputFile& file, const Header& header, const Range& range, std::size_t bytes_per_point,
+  Thinning(const InputFile& file, const Header& header, const RecordRange& range, std::size_t bytes_per_point,
            const ReadOptions& options)
       : range_(range), length_(header.record_length), tap_(options.tap) {
     if (tap_) tap_->begin(file.read_text(0, std::size_t(header.point_data)), length_, range.total);
@@ -100,7 +100,7 @@ class Thinning {
   }
 
  private:
-  Range range_;
+  RecordRange range_;
   std::size_t length_;
   RecordTap* tap_;
   std::optional<Subsample> kept_;
@@ -113,7 +113,7 @@ PointCollector collector_of(const InputFile& file, const Header& header, std::ui
   return {header, first_record(file, header, first_byte)};
 }
 
-ReadResult read_uncompressed(const InputFile& file, const Header& header, const Range& range,
+ReadResult read_uncompressed(const InputFile& file, const Header& header, const RecordRange& range,
                              const WholeFile* whole, const ReadOptions& options, Progress& progress) {
   PointCollector points = collector_of(file, header, header.point_data, whole);
   const Thinning thinning(file, header, range, points.bytes_per_point(), options);
@@ -138,7 +138,7 @@ ReadResult read_chunks(
     const ReadOptions& options, Progress& progress,
     std::vector<std::string>* damage = nullptr,  // when given: a place for each chunk's error
     const WholeFile* whole = nullptr, const KeptChunks& kept = {}) {
-  Range range;
+  RecordRange range;
   if (!chunks.empty()) range = {chunks.front().first, chunks.back().first + chunks.back().count};
   range.total = whole ? header.count : range.count(), range.is_part = whole;
   PointCollector points = collector_of(file, header, chunks.empty() ? 0 : chunks.front().byte, whole);

@@ -601,6 +601,9 @@ TEST(Strangers, PlacesFarFromAllOthersThatManyShareAreNoPoints) {
   EXPECT_EQ(markers.report.bounds_min, dvec3(0.5, 0, 0));
   ASSERT_FALSE(markers.report.notes.empty());
   EXPECT_NE(markers.report.notes.back().find("600 records in 2 places"), std::string::npos);
+  std::string coarse = "5 5 5\n6 5 5\n";  // and 40 places of 100 points each
+  for (int i = 0; i < 4000; ++i) coarse += std::to_string(i % 40 * 1000 + 1) + " 0 0\n";
+  EXPECT_EQ(io::read(write_file("coarse.xyz", coarse)).cloud.size(), 4002u);
   EXPECT_EQ(read_with(3, 1e6).cloud.size(), 1006u) << "a few may be strays";
   EXPECT_EQ(read_with(300, 10).cloud.size(), 1600u) << "no farther than all is long";
 }
