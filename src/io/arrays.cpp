@@ -151,14 +151,11 @@ class NpyHeader {
   void name_records() {
     std::vector<Column>& columns = array_.columns;
     if (std::vector<Column> named = columns; assign_roles(named)) return;
-    std::vector<std::string> names = options_.columns;
+    std::vector<std::string> names = given_names(columns.size());
     if (names.empty()) {
       for (std::size_t k = 0; k < columns.size(); ++k)
         if (columns[k].name != "f" + std::to_string(k)) return;
       names = {"x", "y", "z"};
-    } else if (names.size() != columns.size()) {
-      throw Error(ErrorCode::usage, file_.path().string() + ": has " + std::to_string(columns.size()) +
-                                        " columns, --columns names " + std::to_string(names.size()));
     }
     for (std::size_t k = 0; k < std::min(names.size(), columns.size()); ++k) columns[k].name = names[k];
     array_.has_names = false;
@@ -176,14 +173,17 @@ class NpyHeader {
     return *type;
   }
 
+  /// Of --columns, one for each column, or none.
+  const std::vector<std::string>& given_names(std::size_t width) const {
+    const std::size_t given = options_.columns.size();
+    if (given > 0 && given != width)
+      throw Error(ErrorCode::usage, file_.path().string() + ": has " + std::to_string(width) +
+                                        " columns, --columns names " + std::to_string(given));
+    return options_.columns;
+  }
+
   std::vector<std::string> names_of(std::size_t width, StoredType type) const {
-    if (!options_.columns.empty()) {
-      if (options_.columns.size() != width)
-        throw Error(ErrorCode::usage, file_.path().string() + ": has " + std::to_string(width) +
-                                          " columns, --columns names " +
-                                          std::to_string(options_.columns.size()));
-      return options_.columns;
-    }
+    if (const std::vector<std::string>& given = given_names(width); !given.empty()) return given;
     if (width < 3) fail("found " + counted(width, "column") + ", expected x y z and more");
     // The same guess as for text, from the first rows.
     std::vector<std::vector<double>> rows;

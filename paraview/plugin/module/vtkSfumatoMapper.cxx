@@ -198,14 +198,11 @@ sfumato::HostView whole_view_of(vtkRenderer* renderer) {
 void vtkSfumatoMapper::ChooseDetail(vtkRenderer* renderer, vtkActor* actor, bool is_distributed) {
   State& own = *this->Own;
   std::shared_ptr<LevelsOfFile> levels;
-  vtkIdType points = 0;
   bool is_other = false;
   for (vtkPolyData* block : blocks_of(this->GetInputDataObject(0, 0))) {
-    const vtkIdType count = block->GetNumberOfPoints();
     std::shared_ptr<LevelsOfFile> found = LevelsOfFile::Of(*block);
-    is_other = is_other || (count > 0 && (!found || (levels && levels != found)));
+    is_other = is_other || (block->GetNumberOfPoints() > 0 && (!found || (levels && levels != found)));
     if (found) levels = std::move(found);
-    points += count;
   }
   // Boxes of nodes are where the file's points are.
   is_other = is_other || columns_of(*actor->GetMatrix()) != sfumato::dmat4(1);
