@@ -17,7 +17,7 @@
 namespace sfumato::io {
 namespace {
 
-constexpr std::uint64_t most_numbers_a_record = 512;  ///< of a record
+constexpr std::uint64_t most_numbers_a_record = 512, most_columns = 256;
 
 struct Array {
   std::vector<Column> columns;
@@ -92,10 +92,22 @@ class NpyHeader {
     const std::string_view text = value_of("shape");
     shape_ = sizes_in(text.substr(0, text.find(')')));
     if (!is_cloud_ && shape_.size() == 1) shape_.push_back(1), is_list_ = true;
+    if (is_cloud_) make_rows_points();
     if (shape_.empty() || shape_.size() > 2 || shape_[0] > 0xFFFFFFFFull ||
-        (shape_.size() == 2 && shape_[1] > 256))
+        (shape_.size() == 2 && shape_[1] > most_columns))
       fail("found an array of another shape than (points, columns); save the points as rows");
     array_.rows = shape_[0];
+  }
+
+  /// A point for each pixel of a depth camera, or each point of several clouds: (height, width, columns). Or
+  /// a row for each coordinate: (columns, points).
+  void make_rows_points() {
+    const bool is_pixels = shape_.size() == 3 && shape_[2] >= 3 && shape_[2] <= most_columns;
+    if (is_pixels && !array_.by_column && shape_[0] <= 0xFFFFFFFFull && shape_[1] <= 0xFFFFFFFFull)
+      shape_ = {shape_[0] * shape_[1], shape_[2]};
+    const bool is_wide = shape_.size() == 2 && shape_[0] >= 3 && shape_[0] <= most_columns;
+    if (is_wide && shape_[1] > most_columns)
+      std::swap(shape_[0], shape_[1]), array_.by_column = !array_.by_column;
   }
 
   void read_types() {

@@ -174,6 +174,21 @@ TEST(Npy, RowsColumnsAndRecords) {
           .cloud;
   EXPECT_EQ(records.positions.at(1), vec3(4, 5, 6));
   EXPECT_EQ(records.scalar("ring")->value(1), 6);
+  // The pixels of a depth camera, and a row for each coordinate of more points than there are columns.
+  const std::string pixels = rows + test::bytes_of(7.0f, 8.0f, 9.0f, 10.0f, 11.0f, 12.0f);
+  const PointCloud picture = io::read(test::write_file("i.npy", npy("'<f4'", "2, 2, 3", pixels))).cloud;
+  ASSERT_EQ(picture.size(), 4u);
+  EXPECT_EQ(picture.positions.at(2), vec3(7, 8, 9));
+  std::string wide_rows;
+  for (int k = 0; k < 3 * 300; ++k) wide_rows += test::bytes_of(float(k));
+  for (const bool by_column : {false, true}) {
+    const std::string shape = by_column ? "300, 3" : "3, 300";
+    const PointCloud turned =
+        io::read(test::write_file("j.npy", npy("'<f4'", shape, wide_rows, by_column))).cloud;
+    ASSERT_EQ(turned.size(), 300u);
+    EXPECT_EQ(turned.positions.at(1), vec3(1, 301, 601));
+  }
+  EXPECT_TRUE(test::error_of(test::write_file("k.npy", npy("'<f4'", "2, 2, 3", pixels, true))));
   // NumPy's own names say nothing.
   const std::string unnamed = npy("[('f0', '<f4'), ('f1', '<f4'), ('f2', '<f4'), ('f3', '|u1')]", "1,",
                                   test::bytes_of(1.0f, 2.0f, 3.0f) + "\x05");
