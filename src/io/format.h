@@ -60,6 +60,9 @@ WriteReport write_pcd(const std::filesystem::path& file, const PointCloud& cloud
 bool is_obj(std::string_view head);
 ReadResult read_obj(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
+bool is_stl(std::string_view head);
+ReadResult read_stl(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
 bool is_e57(std::string_view head);
 ReadResult read_e57(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 

@@ -49,6 +49,15 @@ const std::vector<Format>& table() {
        excerpt_obj,
        nullptr,
        true},
+      {"stl",
+       {".stl"},
+       "STL, text and binary, facets and their corners",
+       is_stl,
+       read_stl,
+       nullptr,
+       nullptr,
+       nullptr,
+       true},
       {"copc",
        {".copc.laz"},
        "Cloud Optimized Point Cloud 1.0",
@@ -323,7 +332,7 @@ Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   const Format& format = find_format(file);
   if (!format.has_faces)
     throw Error(ErrorCode::bad_input,
-                file.string() + ": a " + format.name + " file holds no faces; name a .ply or .obj");
+                file.string() + ": a " + format.name + " file holds no faces; name a .ply, .obj or .stl");
   Faces faces;
   ReadOptions options;
   options.faces = &faces;

@@ -300,6 +300,69 @@ TEST(FacesTest, PointsOfAScanStayBesideAFewFaces) {
       100);
 }
 
+/// A tetrahedron with its corners at 0 and 2 on the axes.
+const std::array<std::array<float, 9>, 4> tetrahedron{{{0, 0, 0, 0, 2, 0, 2, 0, 0},
+                                                       {0, 0, 0, 2, 0, 0, 0, 0, 2},
+                                                       {0, 0, 0, 0, 0, 2, 0, 2, 0},
+                                                       {2, 0, 0, 0, 2, 0, 0, 0, 2}}};
+std::string stl_bytes(std::string header, std::uint32_t facets) {
+  header.resize(80);
+  std::string bytes = header + bytes_of(facets);
+  for (const std::array<float, 9>& facet : tetrahedron)
+    bytes += bytes_of(0.0f, 0.0f, 0.0f, facet, std::uint16_t(0));
+  return bytes;
+}
+std::string stl_text() {
+  std::string text = "solid a b\n";
+  for (const std::array<float, 9>& facet : tetrahedron) {
+    text += " facet normal 0 0 0\n  outer loop\n";
+    for (std::size_t k = 0; k < 9; k += 3)
+      text += "   vertex " + std::to_string(facet[k]) + " " + std::to_string(facet[k + 1]) + " " +
+              std::to_string(facet[k + 2]) + "\n";
+    text += "  endloop\n endfacet\n";
+  }
+  return text + "endsolid a b\n";
+}
+
+TEST(FacesTest, FacetsOfStlShareTheirCorners) {
+  // A binary file may begin with the word of text files.
+  for (const std::string& bytes : {stl_bytes("a scanner", 4), stl_bytes("solid", 4), stl_text()}) {
+    const std::filesystem::path file = write_file("a.stl", bytes);
+    const PointCloud vertices = io::read(file).cloud;
+    ASSERT_EQ(vertices.size(), 4u);
+    EXPECT_EQ(vertices.positions.at(1), vec3(0, 2, 0));
+    EXPECT_EQ(vertices.provenance, Provenance::model);
+    const io::ReadResult result = drawn(file);
+    EXPECT_TRUE(has_note(result, "4 faces sampled to"));
+    EXPECT_EQ(result.cloud.up, UpAxis::pos_z);
+    float farthest = 0;
+    for (const vec3& p : result.cloud.positions) {
+      EXPECT_GE(std::min({p.x, p.y, p.z}), -1e-6f);
+      farthest = std::max(farthest, p.x + p.y + p.z);
+    }
+    EXPECT_NEAR(farthest, 2, 1e-5);
+    const Mesh mesh = io::read_mesh(file);
+    EXPECT_EQ(mesh.positions.size(), 4u);
+    EXPECT_EQ(mesh.triangles.size(), 4u);
+  }
+}
+
+TEST(FacesTest, DamagedStlIsAnError) {
+  const auto why = [](const std::string& bytes) {
+    const std::optional<Error> error = test::error_of(write_file("a.stl", bytes));
+    return error && error->code() == ErrorCode::bad_input ? std::string(error->what()) : std::string();
+  };
+  EXPECT_NE(why(stl_bytes("", 5)).find("ends after 4 facets, expected 5"), std::string::npos);
+  EXPECT_NE(why(stl_bytes("", 0)).find("found none"), std::string::npos);
+  EXPECT_NE(why(std::string(40, 'a')).find("inside its header"), std::string::npos);
+  const std::string text = stl_text();
+  EXPECT_NE(why(text.substr(0, text.rfind("vertex"))).find("within a facet"), std::string::npos);
+  EXPECT_NE(why("solid\nfacet\nvertex 1 2 a\n").find("line 3"), std::string::npos);
+  test::expect_cuts_are_safe("a.stl", text, 4);
+  test::expect_cuts_are_safe("a.stl", stl_bytes("", 4), 4);
+  test::expect_changes_are_safe("a.stl", stl_bytes("", 4));
+}
+
 TEST(FacesTest, RealMeshesAreSampled) {
   SFUMATO_NEEDS_REAL_SCAN("armadillo.obj");
   const io::ReadResult result = drawn(test::data_folder() / "armadillo.obj");
