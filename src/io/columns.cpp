@@ -145,11 +145,14 @@ void use_usual_names(std::vector<Column>& columns) {
 }
 
 dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float) {
-  const double extent = std::max({max.x - min.x, max.y - min.y, max.z - min.z});
+  const double widest = std::max({max.x - min.x, max.y - min.y, max.z - min.z});
   dvec3 origin(0);
   for (int k = 0; k < 3; ++k) {
-    const double largest = std::max(std::abs(min[k]), std::abs(max[k]));
+    const double largest = std::max(std::abs(min[k]), std::abs(max[k])), own = max[k] - min[k];
     if (largest < 1e-30) continue;  // the steps below would be no numbers
+    // Degrees beside metres: floats would leave fewer than a thousand steps of that axis alone.
+    const bool is_finer = !as_float && own > 0 && own < largest * 1000 * 0x1p-23;
+    const double extent = is_finer ? own : widest;
     // Floats at 16 times the extent still resolve a millionth of it.
     if (largest <= 16 * extent || (extent == 0 && double(float(min[k])) == min[k])) continue;
     // A multiple of a power of two no finer than float's step at these numbers: float - origin is then exact.

@@ -264,7 +264,9 @@ std::vector<std::string> guess_names(const File& file, const Beginning& beginnin
   SampleRows rows = rows_of_kept();
   const bool is_numbered =
       is_running_number(rows, beginning.are_words[0] ? std::vector<double>{} : numbers_at_end(file, dialect));
-  if (is_numbered) kept.erase(kept.begin()), rows = rows_of_kept();
+  const bool has_pixels = !is_numbered && are_pixels(rows);
+  if (is_numbered || has_pixels)
+    kept.erase(kept.begin(), kept.begin() + (has_pixels ? 2 : 1)), rows = rows_of_kept();
   if (kept.size() < 3)
     bad_input(file.path(), "line " + std::to_string(beginning.first_line),
               "found " + std::to_string(kept.size()) +
@@ -275,7 +277,10 @@ std::vector<std::string> guess_names(const File& file, const Beginning& beginnin
   for (std::size_t k = 0; k < kept.size(); ++k) names[kept[k]] = guessed[k];
   notes.push_back("columns guessed from the first " +
                   (beginning.rows.size() == 1 ? "line" : counted(beginning.rows.size(), "line")) + ": " +
-                  join(names) + (is_numbered ? ", behind a number of the point" : "") +
+                  join(names) +
+                  (is_numbered  ? ", behind a number of the point"
+                   : has_pixels ? ", behind a row and a column"
+                                : "") +
                   " (--columns names them otherwise)");
   return names;
 }

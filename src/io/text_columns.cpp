@@ -292,6 +292,22 @@ bool is_running_number(const SampleRows& beginning, const std::vector<double>& e
   return goes_on(first) && goes_on(end);
 }
 
+bool are_pixels(const SampleRows& rows) {
+  constexpr double most = 65'536;  // pixels a side
+  if (rows.size() < 3 || rows[0].size() < 5) return false;
+  for (const std::size_t k : {0, 1, 2, 3, 4}) {
+    const Summary column = summary_of(rows, k);
+    if (!column.is_complete || column.is_whole != (k < 2)) return false;
+    if (k < 2 && (column.low < 0 || column.high >= most)) return false;
+  }
+  const auto goes_on = [&](std::size_t slow, std::size_t fast) {
+    return std::ranges::is_sorted(rows, std::less_equal(), [&](const std::vector<double>& row) {
+      return std::pair(row[slow], row[fast]);
+    });
+  };
+  return goes_on(0, 1) || goes_on(1, 0);
+}
+
 std::vector<std::string> guess_columns(const SampleRows& rows, std::size_t width,
                                        std::vector<std::string> names) {
   const Sample sample(rows, width);

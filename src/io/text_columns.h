@@ -32,6 +32,10 @@ using SampleRows = std::vector<std::vector<double>>;
 /// repeats in the rows at the beginning nor in those at the end. Where there are few they rise or fall.
 bool is_running_number(const SampleRows& beginning, const std::vector<double>& end);
 
+/// Whether x y z stand behind row and column of a scan, as FARO and scanners of lines write them: two columns
+/// of whole numbers in which one counts while the other stays, and three that are not whole.
+bool are_pixels(const SampleRows& rows);
+
 /// Names for the columns from `names.size()` to `width`, by ranges and whole numbers of all of them.
 std::vector<std::string> guess_columns(const SampleRows& rows, std::size_t width,
                                        std::vector<std::string> names = {});

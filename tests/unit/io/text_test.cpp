@@ -132,6 +132,22 @@ TEST(TextTest, ColumnsAreGuessedFromTheirNumbers) {
   }
 }
 
+TEST(TextTest, RowsAndColumnsOfAScanArePassedOver) {
+  const std::string scan = "0 0 1.5 2.5 3.5\n0 1 1.6 2.5 3.5\n0 4 1.7 2.5 3.5\n1 0 1.5 2.6 3.5\n";
+  const io::ReadResult result = read_text(scan);
+  EXPECT_NEAR(glm::distance(result.cloud.world(1), dvec3(1.6, 2.5, 3.5)), 0, 1e-6);
+  EXPECT_NE(result.report.notes.at(0).find("_,_,x,y,z, behind a row and a column"), std::string::npos);
+  const io::ReadResult by_columns = read_text("3 7 1.5 2.5 3.5 90\n4 7 1.6 2.5 3.5 91\n3 8 1.7 2.5 3.5 92\n");
+  EXPECT_NEAR(glm::distance(by_columns.cloud.world(2), dvec3(1.7, 2.5, 3.5)), 0, 1e-6);
+  EXPECT_TRUE(by_columns.cloud.scalar("intensity"));
+  // Heights on a grid of whole metres, with classes or in any order; a place twice.
+  for (const char* heights :
+       {"0 0 1.5 2 3.5\n0 1 1.6 2 3.5\n1 0 1.5 2 3.5\n",
+        "5 0 1.5 2.5 3.5\n0 1 1.6 2.5 3.5\n3 0 1.5 2.6 3.5\n",
+        "0 0 1.5 2.5 3.5\n0 0 1.6 2.5 3.5\n0 1 1.5 2.6 3.5\n", "0 0 1.5\n0 1 1.6\n1 0 1.5\n"})
+    EXPECT_NEAR(read_text(heights).cloud.world(1).z, 1.6, 1e-6) << heights;
+}
+
 TEST(TextTest, HeaderLinesNameTheColumns) {
   const io::ReadResult result =
       read_text("# exported\n//X Y Z R G B Scalar_field Nx Ny Nz\n1 2 3 10 20 30 0.5 0 0 1\n");
@@ -221,6 +237,18 @@ TEST(TextTest, LargeCoordinatesKeepTheirDigits) {
   const PointCloud cloud = read_text("500000.001 6600000.002 12.003\n500010.004 6600020.005 15.006\n").cloud;
   EXPECT_NEAR(cloud.world(0).y, 6600000.002, 2e-6);  // 24 bits of a 20 m cloud
   EXPECT_NEAR(cloud.world(1).x, 500010.004, 2e-6);
+}
+
+TEST(TextTest, DegreesBesideMetresKeepTheirDigits) {
+  // Three metres of a track, whose heights range over more than a sixteenth of its longitude.
+  const PointCloud cloud = read_text(
+                               "-68.51469573 48.47884528 18.1 1 2\n-68.51466262 48.47887838 22.7 1 2\n"
+                               "-68.51467771 48.47885993 20.2 1 2\n")
+                               .cloud;
+  EXPECT_NEAR(cloud.world(0).x, -68.51469573, 1e-11);
+  EXPECT_NEAR(cloud.world(2).y, 48.47885993, 1e-11);
+  // A floor keeps its place.
+  EXPECT_EQ(read_text("0.5 0.5 5.0001\n90.5 90.5 5.0203\n").cloud.origin, dvec3(0));
 }
 
 TEST(TextTest, ManyBlocksKeepFileOrderAndLineNumbers) {
