@@ -61,12 +61,13 @@ double faces_up(const std::vector<double>& depths, const Cells& cells) {
   return all > 0 ? up / all : 0;
 }
 
-/// Whether values come in a few places only: half of the gaps between neighbours are none, and all the way is
-/// in the others. As of the slopes of an image's points, but not where all lie on one level grid.
-bool is_in_steps(std::vector<double> values, double low, double high) {
+/// In how many places values come where these are few: half of the gaps between neighbours are none, and all
+/// the way is in the others. As of the slopes of an image's points, but not where all lie on one level grid.
+/// 0 where they are everywhere.
+std::size_t steps_of(std::vector<double> values, double low, double high) {
   constexpr double none = 0.01, all = 0.985;  // of the mean gap; of the way
   std::erase_if(values, [&](double value) { return value < low || value > high; });
-  if (values.size() < 2) return false;
+  if (values.size() < 2) return 0;
   std::sort(values.begin(), values.end());
   const double mean = (values.back() - values.front()) / double(values.size() - 1);
   std::size_t closed = 0;
@@ -76,7 +77,19 @@ bool is_in_steps(std::vector<double> values, double low, double high) {
     closed += gap <= none * mean;
     open += gap > mean ? gap : 0;
   }
-  return mean > 0 && 2 * closed > values.size() && open > all * mean * double(values.size() - 1);
+  const bool are_few = 2 * closed > values.size() && open > all * mean * double(values.size() - 1);
+  return mean > 0 && are_few ? values.size() - closed : 0;
+}
+
+/// Whether points come in columns of pixels: by their slopes, and not because they lie on a lattice, which
+/// has fewer places than slopes.
+bool is_in_columns(const std::vector<double>& slopes, const std::vector<double>& across) {
+  const std::size_t columns =
+      steps_of(slopes, value_at_share(std::vector(slopes), 0.02), value_at_share(std::vector(slopes), 0.98));
+  const std::size_t places = columns == 0 ? 0
+                                          : steps_of(across, value_at_share(std::vector(across), 0.02),
+                                                     value_at_share(std::vector(across), 0.98));
+  return columns > 0 && (places == 0 || columns <= places);
 }
 
 /// Points by columns along x, for the few whose nearest are asked for: a tree would cost more.
@@ -158,12 +171,13 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
   view.first = double(seen) / double(depths.size());
   view.faces_up = faces_up(nearest, cells);
   view.width = width;
-  view.of_pixels = is_in_steps(x, low.x, high.x) && is_in_steps(y, low.y, high.y);
   // In cells of 8 points chance leaves some open, and those of 32 points hide the shape of a crown or of
   // land.
   const int coarse = std::max(side / 2, 4);
   const double open = cells.open_share(x, y), open_coarse = Cells(x, y, coarse).open_share(x, y);
+  const std::vector<double> slopes_x = x, slopes_y = y;
   for (std::size_t i = 0; i < depths.size(); ++i) x[i] *= depths[i], y[i] *= depths[i];
+  view.of_pixels = is_in_columns(slopes_x, x) && is_in_columns(slopes_y, y);
   const auto closed_share = [&](double open_before, int cells_across) {
     constexpr double chance = 0.02;  // of the cells, which random points leave open
     const double open_across = Cells(x, y, cells_across).open_share(x, y);

@@ -56,3 +56,21 @@ TEST(TurnedShare, IsLittleOfRandomPoints) {
   EXPECT_LT(turned_share(points, vec3(0), vec3(0, 0, 1)), 0.2);
   EXPECT_EQ(turned_share({}, vec3(0), vec3(0, 0, 1)), 0);
 }
+
+TEST(SensorView, ALatticeIsNoPicture) {
+  // What one image shows of ground, with noisy depths, and a body of voxels before the origin.
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.02);
+  std::vector<dvec3> image, body;
+  for (int row = -60; row <= 60; ++row)
+    for (int column = -80; column <= 80; ++column)
+      image.push_back((2 + noise(random)) * dvec3(0.006 * column, 0.006 * row, 1));
+  for (int i = -20; i <= 20; ++i)
+    for (int j = -20; j <= 20; ++j)
+      for (int k = 20; k <= 80; ++k) body.push_back(dvec3(0.0116 * i, 0.01 * j, 0.03 * k));
+  EXPECT_TRUE(sensor_view_of(image, dvec3(0), dvec3(0, 0, 1), dvec3(0, 1, 0)).of_pixels);
+  EXPECT_FALSE(sensor_view_of(body, dvec3(0), dvec3(0, 0, 1), dvec3(0, 1, 0)).of_pixels);
+  // A wall across the line of sight has one place for each pixel.
+  for (dvec3& p : image) p *= 2 / p.z;
+  EXPECT_TRUE(sensor_view_of(image, dvec3(0), dvec3(0, 0, 1), dvec3(0, 1, 0)).of_pixels);
+}
