@@ -804,6 +804,21 @@ TEST(Upright, ALidarBetweenWallsStandsAsItsFormatHasIt) {
   }
 }
 
+// Where the ground was removed, what is level may be above a lidar; one of a vehicle sees more below it.
+TEST(Upright, ALidarThatLooksDownSaysWhatIsBelow) {
+  PointCloud cloud;
+  for (int ring = 0; ring < 64; ++ring)
+    for (int step = 0; step < 900; ++step) {
+      const double angle = glm::radians(0.4 * step), rise = glm::radians(-24.9 + 26.9 / 63 * ring);
+      const double far = 12 + 4 * std::sin(3 * angle);
+      cloud.positions.push_back(vec3(far * std::cos(angle), far * std::sin(angle), far * std::tan(rise)));
+    }
+  for (int i = 0; i < 100; ++i)
+    for (int j = 0; j < 100; ++j)  // a canopy
+      cloud.positions.push_back(vec3(9 + 0.04f * float(i), -2 + 0.04f * float(j), 0.4f));
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+}
+
 // Of public OBJ files 51 have Y up and 5 Z, of PLY 27 and 22: what is doubtful in PLY is Y in OBJ.
 TEST(Upright, ObjKeepsItsConventionWherePlyDoesNot) {
   std::mt19937 random(47);
