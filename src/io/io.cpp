@@ -242,6 +242,42 @@ std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
   return shared;
 }
 
+/// What simulators and some drivers write where nothing returned: their range itself. No surface is as far as
+/// another by a ten thousandth, and few are nearly as far. 0 where there is none.
+float range_of_nothing(const PointCloud& cloud) {
+  constexpr std::size_t sample_size = 65'536, one_in = 100;
+  constexpr float equal = 1e-4f, nearly = 1e-2f;
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
+  std::vector<float> ranges;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) ranges.push_back(float(glm::length(cloud.world(i))));
+  if (ranges.size() < 2 * one_in) return 0;
+  const float most = *std::max_element(ranges.begin(), ranges.end());
+  const auto beyond = [&](float less) {
+    return std::size_t(
+        std::count_if(ranges.begin(), ranges.end(), [&](float range) { return range > (1 - less) * most; }));
+  };
+  const std::size_t at_most = beyond(equal), near_most = beyond(nearly) - at_most;
+  const bool is_nothing =
+      at_most > ranges.size() / one_in && at_most < ranges.size() / 2 && one_in * near_most < at_most;
+  return is_nothing ? (1 - equal) * most : 0;
+}
+
+/// Of a scanner at the origin.
+void leave_out_clamped(ReadResult& result) {
+  const ReadReport& report = result.report;
+  for (int k = 0; k < 3; ++k)
+    if (report.bounds_min[k] > 0 || report.bounds_max[k] < 0) return;
+  const float range = range_of_nothing(result.cloud);
+  if (!(range > 0)) return;
+  const std::size_t before = result.cloud.size();
+  const dvec3 origin = result.cloud.origin;
+  leave_out(result, [&](const vec3& p) { return float(glm::length(dvec3(p) + origin)) > range; });
+  const Bounds box = bounds(result.cloud);
+  result.report.bounds_min = box.min, result.report.bounds_max = box.max;
+  result.report.notes.push_back(counted(before - result.cloud.size(), "record") +
+                                " as far from 0 0 0 as the farthest, as where nothing returned: left out");
+}
+
 void leave_out_nothing(ReadResult& result) {
   const std::vector<vec3> places = places_of_nothing(result.cloud);
   if (places.empty()) return;
@@ -301,6 +337,7 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
       format.name != "vtp" && format.name != "grid") {
     leave_out_no_returns(result, format.name == "kitti", is_part);
     leave_out_nothing(result);
+    leave_out_clamped(result);
   }
   stand_as_pictures(file, format, result);
   if (is_part) return result;

@@ -110,6 +110,8 @@ class HeaderParser {
   std::uint64_t number(std::istringstream& words, const char* key, std::uint64_t limit) {
     std::string word;
     words >> word;
+    word.resize(
+        std::min(word.find('#'), word.size()));  // what recorders hold a place with, for PCL a comment
     const std::optional<std::uint64_t> value = number_in<std::uint64_t>(word);
     if (!value || *value > limit)
       fail("found " + std::string(key) + " '" + word.substr(0, 20) + "', expected a number up to " +

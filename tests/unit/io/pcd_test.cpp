@@ -158,6 +158,15 @@ TEST(PcdTest, TheWordAfterDataMayBeInCapitals) {
   EXPECT_EQ(io::read(write_file("a.pcd", head + "DATA ASCII\n1 2 3\n")).cloud.positions[0], vec3(1, 2, 3));
 }
 
+// Recorders that fill in the numbers at the end hold their place so.
+TEST(PcdTest, ANumberEndsBeforeAHash) {
+  const std::string file =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2#####\nHEIGHT 1\nPOINTS 2#####\n"
+      "DATA ascii\n1 2 3\n4 5 6\n";
+  EXPECT_EQ(io::read(write_file("a.pcd", file)).cloud.size(), 2u);
+  EXPECT_TRUE(test::error_of(write_file("b.pcd", "FIELDS x y z\nWIDTH #\nPOINTS 1\nDATA ascii\n1 2 3\n")));
+}
+
 // Programs that fill in POINTS alone.
 TEST(PcdTest, PointsCountWhereWidthAndHeightAreZero) {
   for (const char* size : {"WIDTH 0\nHEIGHT 0\n", "WIDTH 0\nHEIGHT 1\n", "WIDTH 2\nHEIGHT 0\n"}) {

@@ -359,6 +359,29 @@ TEST(StrangersKinds, RecordsOfNothingAreLeftOut) {
   EXPECT_EQ(read_text("0 0 0\n1 2 3\n4 5 6\n").cloud.size(), 3u);  // the origin may be a point
 }
 
+TEST(StrangersKinds, RangesOfNothingAreLeftOut) {
+  std::string walls, sky, ball;
+  for (int i = 0; i < 2000; ++i) {
+    const double angle = 0.0174 * i, rise = 0.02 * (i % 32) - 0.4;
+    const dvec3 way(std::cos(rise) * std::cos(angle), std::cos(rise) * std::sin(angle), std::sin(rise));
+    const auto line = [&](double range) {
+      const dvec3 p = range * way;
+      return std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+    };
+    walls += line(std::min(40.0, 8 / std::abs(std::sin(angle) + 1e-9)));
+    if (i % 3 == 0) sky += line(120);
+    ball += line(40);
+  }
+  EXPECT_EQ(read_text(walls + sky).cloud.size(), 2000u);
+  EXPECT_THAT(notes_of(read_text(walls + sky)), HasSubstr("667 records as far from 0 0 0 as the farthest"));
+  EXPECT_NEAR(read_text(walls + sky).report.bounds_max.x, 40, 0.1);
+  EXPECT_EQ(read_text(ball).cloud.size(), 2000u);
+  // A scan that was cut at a distance has points up to it.
+  std::string cut;
+  for (int i = 0; i < 3000; ++i) cut += std::to_string(0.01 * i - 15) + " " + std::to_string(i % 60) + " 1\n";
+  EXPECT_EQ(read_text(cut).cloud.size(), 3000u);
+}
+
 // Names of the columns, in remarks and lines of their own, by any separator.
 TEST(StrangersKinds, HeadersWinOverGuessing) {
   struct Case {
