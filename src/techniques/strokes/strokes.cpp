@@ -73,7 +73,7 @@ class Strokes final : public Technique {
       refine(frame, view);
       return true;
     }
-    refining_ = false;
+    refining_ = has_evidence_ = false;
     {
       auto timing = frame.timers.scope("set up strokes");
       brush_.update(parameters_.resolve_brush());
@@ -108,6 +108,7 @@ class Strokes final : public Technique {
     // The frame that builds the lists shows the blurred picture; sorting starts with the next.
     remember(frame);
     show_listed(frame, view);
+    copy(frame.target, blurred_, view);
     notes_.push_back(unsorted_note);
     return true;
   }
@@ -147,7 +148,7 @@ class Strokes final : public Technique {
     if (is_sorted || steps_ >= parameters_.min_sorted)
       finish(frame, view, is_sorted);
     else
-      draw_nearest(frame, view, true);  // the lists begin behind what was mixed
+      copy(blurred_, frame.target, view);  // the lists begin behind what was mixed
   }
 
   /// The picture so far: sums to a surface, lit.
@@ -196,7 +197,9 @@ class Strokes final : public Technique {
   void shade(Frame& frame, const View& view) {
     // Strokes have a length on the picture, whatever was measured there.
     if (reach_.limits()) {
-      evidence_.find(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach_, frame.timers);
+      if (!has_evidence_)
+        evidence_.find(frame.cloud, frame.camera, frame.cloud.prepared().cloud.origin, reach_, frame.timers);
+      has_evidence_ = true;
       evidence_.apply(albedo_, frame.target.depth, frame.target.normal);
     }
     auto timing = frame.timers.scope("shade");
@@ -303,6 +306,14 @@ class Strokes final : public Technique {
             parameters_,
             frame.settings};
   }
+  static void copy(const Target& from, Target& to, const View& view) {
+    const ivec2 size(view.width(), view.height());
+    gl::ensure(to.color, "kept picture", GL_RGBA32F, size.x, size.y);
+    gl::ensure(to.depth, "kept depth", GL_R32F, size.x, size.y);
+    gl::ensure(to.normal, "kept normals", GL_RGBA32F, size.x, size.y);
+    for (const auto texture : {&Target::color, &Target::depth, &Target::normal})
+      gl::copy(from.*texture, ivec2(0), to.*texture, ivec2(0), size);
+  }
   void remember(const Frame& frame) {
     state_ = state_of(frame);
     steps_ = 0;
@@ -323,10 +334,12 @@ class Strokes final : public Technique {
   Derived<std::uint64_t, bool> own_colors_;
   ScreenSpacings spacings_;
   Evidence evidence_;
+  bool has_evidence_ = false;  ///< of the picture that is refined
   EvidenceReach reach_;
   Shade shade_;
   std::vector<std::string> notes_;
   bool refining_ = false;
+  Target blurred_;  ///< what is shown until enough is sorted
   int steps_ = 0;
   std::optional<State> state_;
 };
