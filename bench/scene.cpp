@@ -43,6 +43,7 @@ RenderSettings plain_settings(Shading shading, bool edl) {
   RenderSettings settings;
   settings.shading = shading;
   settings.edl.user = edl;
+  settings.ambient_occlusion.user = 0, settings.smooth_outlines.user = false;  // peers have neither
   return settings;
 }
 
