@@ -243,10 +243,10 @@ std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
 }
 
 /// What simulators and some drivers write where nothing returned: their range itself. No surface is as far as
-/// another by a ten thousandth, and few are nearly as far. 0 where there is none.
+/// another by a ten thousandth, and few returns come from the last tenth. 0 where there is none.
 float range_of_nothing(const PointCloud& cloud) {
   constexpr std::size_t sample_size = 65'536, one_in = 100;
-  constexpr float equal = 1e-4f, nearly = 1e-2f;
+  constexpr float equal = 1e-4f, nearly = 0.1f;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
   std::vector<float> ranges;
   for (std::size_t i = 0; i < cloud.size(); i += stride) ranges.push_back(float(glm::length(cloud.world(i))));
@@ -332,9 +332,10 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   ReadResult result = is_part ? std::move(*part) : format.read(file, wanted, progress);
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
-  // E57 knows its scanners itself; the vertices of these are no returns.
-  if (result.cloud.provenance == Provenance::unknown && format.name != "e57" && format.name != "vtk" &&
-      format.name != "vtp" && format.name != "grid") {
+  // E57 knows its scanners itself; the vertices of meshes and of the others are no returns.
+  const bool has_faces = wanted.faces && !wanted.faces->empty();
+  if (!has_faces && result.cloud.provenance == Provenance::unknown && format.name != "e57" &&
+      format.name != "vtk" && format.name != "vtp" && format.name != "grid") {
     leave_out_no_returns(result, format.name == "kitti", is_part);
     leave_out_nothing(result);
     leave_out_clamped(result);

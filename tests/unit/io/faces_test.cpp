@@ -363,6 +363,24 @@ TEST(FacesTest, DamagedStlIsAnError) {
   test::expect_changes_are_safe("a.stl", stl_bytes("", 4));
 }
 
+// A fan around the origin, whose triangles share no vertex, and rims that are equally far.
+TEST(FacesTest, VerticesAreNoRecordsOfNothing) {
+  std::string vertices, faces;
+  for (int i = 0; i < 300; ++i) {
+    vertices += "0 0 0\n";
+    for (const int k : {i, i + 1})
+      vertices += std::to_string(std::cos(0.02 * k)) + " " + std::to_string(std::sin(0.02 * k)) + " 0\n";
+    faces += "3 " + std::to_string(3 * i) + " " + std::to_string(3 * i + 1) + " " +
+             std::to_string(3 * i + 2) + "\n";
+  }
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 900\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 300\nproperty list uchar int vertex_indices\nend_header\n";
+  const io::ReadResult result = drawn(write_file("a.ply", head + vertices + faces));
+  EXPECT_TRUE(has_note(result, "300 faces sampled to"));
+  EXPECT_FALSE(has_note(result, "left out"));
+}
+
 TEST(FacesTest, RealMeshesAreSampled) {
   SFUMATO_NEEDS_REAL_SCAN("armadillo.obj");
   const io::ReadResult result = drawn(test::data_folder() / "armadillo.obj");
