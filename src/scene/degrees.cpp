@@ -79,7 +79,9 @@ std::optional<LocalMetres> geocentric_of(const std::string& crs, const Bounds& m
   constexpr double highest_land = 9000, lowest = -500, highest_flight = 15'000;
   const bool is_known = is_geocentric(crs);
   const dvec3 place = middle.center();
-  if (!is_known && !(crs.empty() && glm::all(glm::greaterThan(glm::abs(place), dvec3(highest_land)))))
+  // Writers name the system of degrees that geocentric places belong to.
+  const bool is_open = crs.empty() || is_geographic(crs);
+  if (!is_known && !(is_open && glm::all(glm::greaterThan(glm::abs(place), dvec3(highest_land)))))
     return std::nullopt;
   // Bowring's first step (1976): within a millimetre of latitude up to ten kilometres.
   const double across = std::hypot(place.x, place.y), shrunk = std::sqrt(1 - e2);
@@ -173,7 +175,9 @@ std::string LocalMetres::note(const PointCloud& degrees) const {
         text, sizeof text,
         "places are metres from the centre of the Earth (%s): drawn in metres east, north and up around "
         "%.6f %s %.6f %s; sfumato info gives the file's numbers",
-        by_values ? "by their values; the file names no coordinate system" : "by the coordinate system",
+        !by_values            ? "by the coordinate system"
+        : degrees.crs.empty() ? "by their values; the file names no coordinate system"
+                              : "by their values, which are no degrees",
         std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(longitude), longitude < 0 ? "W" : "E");
     return text;
   }

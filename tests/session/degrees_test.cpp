@@ -50,6 +50,23 @@ TEST(Degrees, DistancesAreThoseOfTheEllipsoid) {
   EXPECT_NEAR(drawn, real, 2e-4 * real);
 }
 
+TEST(Degrees, PlacesFromTheCentreOfTheEarthAreNone) {
+  // What some writers of LAS call EPSG:4326.
+  PointCloud cloud;
+  cloud.origin = place(-120, 38);
+  const dvec3 east(std::sin(2 * M_PI / 3), -0.5, 0);
+  for (int i = 0; i < 100; ++i) cloud.positions.push_back(vec3(double(i) * east));
+  cloud.crs = "EPSG:4326";
+  const auto metres = scene::local_metres_of(cloud);
+  ASSERT_TRUE(metres);
+  EXPECT_TRUE(metres->geocentric);
+  EXPECT_NE(metres->note(cloud).find("by their values, which are no degrees"), std::string::npos);
+  metres->apply(cloud);
+  const dvec3 way = dvec3(cloud.positions[99] - cloud.positions[0]);
+  EXPECT_NEAR(way.x, 99, 1e-2);
+  EXPECT_NEAR(way.z, 0, 1e-2);
+}
+
 TEST(Degrees, WhereStepsLeaveNoPlanTheNoteSaysSo) {
   const auto note = [](double step) {
     const PointCloud cloud = in_degrees(step);
