@@ -121,8 +121,24 @@ const std::vector<Format>& table() {
       {"splat", {".splat"}, "3D Gaussian splats, 32 bytes each", nullptr, read_splat},
       {"ksplat", {".ksplat"}, "3D Gaussian splats, in sections of buckets", nullptr, read_ksplat},
       {"grid", {".grd"}, "height grids: ESRI ASCII (.asc), GRASS, Surfer", is_height_grid, read_height_grid},
-      {"vtk", {".vtk"}, "VTK legacy, points of poly data and grids", is_vtk, read_vtk},
-      {"vtp", {".vtp", ".vtu"}, "VTK XML, points of poly data and grids", is_vtk_xml, read_vtk_xml},
+      {"vtk",
+       {".vtk"},
+       "VTK legacy, poly data and points of grids",
+       is_vtk,
+       read_vtk,
+       nullptr,
+       nullptr,
+       nullptr,
+       true},
+      {"vtp",
+       {".vtp", ".vtu"},
+       "VTK XML, poly data and points of grids",
+       is_vtk_xml,
+       read_vtk_xml,
+       nullptr,
+       nullptr,
+       nullptr,
+       true},
       // Last: any lines of numbers are text.
       {"text",
        {".xyz", ".txt", ".csv", ".asc"},
@@ -370,7 +386,7 @@ Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   const Format& format = find_format(file);
   if (!format.has_faces)
     throw Error(ErrorCode::bad_input,
-                file.string() + ": a " + format.name + " file holds no faces; name a .ply, .obj or .stl");
+                file.string() + ": a " + format.name + " file holds no faces; name a .ply, .obj, .stl or .vtk");
   Faces faces;
   ReadOptions options;
   options.faces = &faces;

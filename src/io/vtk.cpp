@@ -1,4 +1,4 @@
-// Points of VTK's legacy files, ascii and binary: of poly data, unstructured and structured grids.
+// VTK's legacy files, ascii and binary: points of poly data, unstructured and structured grids; polygons.
 #include "io/vtk.h"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 
 #include "core/lower_case.h"
 #include "core/number_in.h"
+#include "io/faces.h"
 #include "io/file.h"
 #include "io/npy_array.h"
 
@@ -41,8 +42,8 @@ std::optional<StoredType> legacy_type(const std::string& word) {
 
 class LegacyReader {
  public:
-  LegacyReader(const std::filesystem::path& path, Progress& progress)
-      : path_(path), progress_(progress), out_(path), text_(text_of(path)) {}
+  LegacyReader(const std::filesystem::path& path, const ReadOptions& options, Progress& progress)
+      : path_(path), options_(options), progress_(progress), out_(path), text_(text_of(path)) {}
 
   ReadResult read() {
     line(), line();  // version and title
@@ -56,7 +57,7 @@ class LegacyReader {
       part(keyword);
     }
     if (out_.rows() == 0) fail("found no POINTS; write poly data or an unstructured grid");
-    return out_.build(progress_);
+    return out_.build(options_, progress_);
   }
 
  private:
@@ -132,14 +133,20 @@ class LegacyReader {
     } else if (keyword == "vertices" || keyword == "lines" || keyword == "polygons" ||
                keyword == "triangle_strips" || keyword == "cells") {
       const std::size_t offsets = count(), size = count(), before = at_;
+      const bool are_strips = keyword == "triangle_strips";
+      const bool wanted = options_.faces && (are_strips || keyword == "polygons");
+      VtkArrays::Polygons found;
+      found.are_strips = are_strips;
       if (lower_case(word()) != "offsets") {
         at_ = before;
-        numbers(size, StoredType::int32, false);
-        return;
+        found.corners = numbers(size, StoredType::int32, wanted);
+      } else {
+        found.ends = numbers(offsets, type(), wanted);
+        if (!found.ends.empty()) found.ends.erase(found.ends.begin());  // the first is 0
+        word();                                                         // CONNECTIVITY
+        found.corners = numbers(size, type(), wanted);
       }
-      numbers(offsets, type(), false);
-      word();  // CONNECTIVITY
-      numbers(size, type(), false);
+      if (wanted) out_.add_polygons(std::move(found));
     } else if (keyword == "cell_types") {
       numbers(count(), StoredType::int32, false);
     } else if (keyword == "point_data" || keyword == "cell_data") {
@@ -204,6 +211,7 @@ class LegacyReader {
   }
 
   std::filesystem::path path_;
+  const ReadOptions& options_;
   Progress& progress_;
   VtkArrays out_;
   std::string text_;
@@ -231,7 +239,49 @@ void VtkArrays::add_points(const std::vector<double>& xyz, StoredType type) {
     std::vector<double>& values = named(std::string(1, char('x' + k)), type).values;
     for (std::size_t i = 0; i < more; ++i) values.push_back(xyz[3 * i + k]);
   }
-  rows_ += more;
+  first_point_ = rows_, rows_ += more;
+}
+
+void VtkArrays::add_polygons(Polygons polygons) {
+  polygons.first_point = first_point_;
+  polygons_.push_back(std::move(polygons));
+}
+
+Faces VtkArrays::faces_over(const ReadResult& result, Progress& progress) const {
+  FaceBuilder builder(result.cloud, kept_vertices(result.cloud, rows_));
+  Polygon polygon;
+  const auto add = [&] {
+    builder.add(polygon, [&] { return "polygon " + std::to_string(builder.faces.count); });
+    if (builder.faces.count % 65'536 == 0) progress.check();
+  };
+  for (const Polygons& all : polygons_) {
+    const auto corner = [&](std::size_t k) {
+      const double value = all.corners[k];
+      return value >= 0 && value < 0x1p32 ? std::int64_t(value) + std::int64_t(all.first_point) : -1;
+    };
+    const auto take = [&](double first, double end) {
+      if (!(first >= 0 && first <= end && end <= double(all.corners.size())))
+        bad_input(path_, "polygons", "found one of more corners than there are; the file is damaged");
+      polygon.clear();
+      for (auto k = std::size_t(first); k < std::size_t(end); ++k) {
+        if (!all.are_strips) {
+          polygon.vertices.push_back(corner(k));
+        } else if (k >= std::size_t(first) + 2) {
+          const bool is_turned = (k - std::size_t(first)) % 2 != 0;
+          polygon.vertices = {corner(k - 2), corner(k - !is_turned), corner(k - is_turned)};
+          add();
+        }
+      }
+      if (!all.are_strips) add();
+    };
+    double first = 0;
+    for (const double end : all.ends) take(first, end), first = end;
+    for (std::size_t at = 0; all.ends.empty() && at < all.corners.size();) {
+      take(double(at) + 1, double(at) + 1 + all.corners[at]);
+      at += 1 + std::size_t(all.corners[at]);
+    }
+  }
+  return std::move(builder.faces);
 }
 
 void VtkArrays::add(const std::string& name, StoredType type, std::size_t width,
@@ -258,7 +308,7 @@ void VtkArrays::add(const std::string& name, StoredType type, std::size_t width,
   }
 }
 
-ReadResult VtkArrays::build(Progress& progress) {
+ReadResult VtkArrays::build(const ReadOptions& options, Progress& progress) {
   std::vector<Column> columns;
   for (Named& one : columns_) one.values.resize(rows_, std::nan("")), columns.push_back(one.column);
   use_usual_names(columns);
@@ -270,14 +320,16 @@ ReadResult VtkArrays::build(Progress& progress) {
     columns_[i].values = {};
   }
   ReadResult result;
-  table.build(false, progress, result);
+  const bool has_faces = options.faces && !polygons_.empty();
+  table.build(has_faces, progress, result);
+  if (has_faces) take_faces(File(path_), options, result, [&] { return faces_over(result, progress); });
   return result;
 }
 
 bool is_vtk(std::string_view head) { return head.starts_with("# vtk DataFile Version"); }
 
-ReadResult read_vtk(const std::filesystem::path& file, const ReadOptions&, Progress& progress) {
-  return LegacyReader(file, progress).read();
+ReadResult read_vtk(const std::filesystem::path& file, const ReadOptions& options, Progress& progress) {
+  return LegacyReader(file, options, progress).read();
 }
 
 }  // namespace sfumato::io

@@ -11,6 +11,8 @@
 
 namespace sfumato::io {
 
+struct Faces;
+
 /// Arrays of as many tuples as there are points become columns; others are of cells, or of nobody.
 class VtkArrays {
  public:
@@ -20,10 +22,19 @@ class VtkArrays {
   /// An array of the points that were added last, `count` of them.
   void add(const std::string& name, StoredType type, std::size_t width, const std::vector<double>& values,
            std::size_t count);
+  /// Polygons, or strips of triangles, over the points that were added last, as the file has them.
+  struct Polygons {
+    std::vector<double> corners;  ///< without `ends`, each behind the number of its corners
+    std::vector<double> ends;     ///< of each, in `corners`
+    bool are_strips = false;
+    std::size_t first_point = 0;
+  };
+  void add_polygons(Polygons polygons);
   std::size_t rows() const { return rows_; }
-  ReadResult build(Progress& progress);
+  ReadResult build(const ReadOptions& options, Progress& progress);
 
  private:
+  Faces faces_over(const ReadResult& result, Progress& progress) const;
   struct Named {
     Column column;
     std::vector<double> values;
@@ -31,7 +42,8 @@ class VtkArrays {
   Named& named(const std::string& name, StoredType type);
   std::filesystem::path path_;
   std::vector<Named> columns_;
-  std::size_t rows_ = 0;
+  std::vector<Polygons> polygons_;
+  std::size_t rows_ = 0, first_point_ = 0;
 };
 
 /// All of a file.

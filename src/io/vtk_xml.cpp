@@ -1,4 +1,5 @@
-// Points of VTK's XML files (.vtp, .vtu): ascii, base64 and appended arrays, plain or compressed by zlib.
+// VTK's XML files (.vtp, .vtu), their points and polygons: ascii, base64 and appended arrays, plain or
+// compressed by zlib.
 #include <zlib.h>
 
 #include <algorithm>
@@ -71,8 +72,8 @@ class ByteReader {
 
 class XmlReader {
  public:
-  XmlReader(const std::filesystem::path& path, Progress& progress)
-      : path_(path), progress_(progress), out_(path), text_(text_of(path)) {}
+  XmlReader(const std::filesystem::path& path, const ReadOptions& options, Progress& progress)
+      : path_(path), options_(options), progress_(progress), out_(path), text_(text_of(path)) {}
 
   ReadResult read() {
     // Raw bytes behind <AppendedData ...>_ are no XML.
@@ -117,13 +118,25 @@ class XmlReader {
         out_.add(normals ? "normals" : array.attribute("Name").value(), type_of(array), width,
                  values_of(array), count);
       }
+      if (options_.faces) add_polygons(piece);
     }
     if (out_.rows() == 0) fail("found no points; write poly data or an unstructured grid");
-    return out_.build(progress_);
+    return out_.build(options_, progress_);
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const { bad_input(path_, "XML", what); }
+
+  void add_polygons(const pugi::xml_node& piece) {
+    for (const char* kind : {"Polys", "Strips"}) {
+      const auto values = [&](const char* name) {
+        const pugi::xml_node array = piece.child(kind).find_child_by_attribute("DataArray", "Name", name);
+        return array ? values_of(array) : std::vector<double>();
+      };
+      VtkArrays::Polygons found{values("connectivity"), values("offsets"), kind[0] == 'S'};
+      if (!found.ends.empty()) out_.add_polygons(std::move(found));
+    }
+  }
 
   StoredType type_of(const pugi::xml_node& array) const {
     const auto type = xml_type(array.attribute("type").value());
@@ -207,6 +220,7 @@ class XmlReader {
   }
 
   std::filesystem::path path_;
+  const ReadOptions& options_;
   Progress& progress_;
   VtkArrays out_;
   std::string text_;
@@ -219,8 +233,8 @@ class XmlReader {
 
 bool is_vtk_xml(std::string_view head) { return head.find("<VTKFile") != std::string_view::npos; }
 
-ReadResult read_vtk_xml(const std::filesystem::path& file, const ReadOptions&, Progress& progress) {
-  return XmlReader(file, progress).read();
+ReadResult read_vtk_xml(const std::filesystem::path& file, const ReadOptions& options, Progress& progress) {
+  return XmlReader(file, options, progress).read();
 }
 
 }  // namespace sfumato::io

@@ -169,5 +169,47 @@ TEST_F(VtkTest, Xml) {
   expect_refused("not.vtp", "<VTKFile type=\"PolyData\"><PolyData>");
 }
 
+/// Of a square of four points: as one polygon, two triangles, or a strip.
+TEST_F(VtkTest, PolygonsAreSampled) {
+  const std::string head =
+      "# vtk DataFile Version 5.1\nx\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
+      "0 0 1 2 0 1 2 2 1 0 2 1\n";
+  const auto xml = [](const std::string& cells) {
+    return "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"4\"><Points><DataArray "
+           "type=\"Float32\" "
+           "NumberOfComponents=\"3\" format=\"ascii\">0 0 1 2 0 1 2 2 1 0 2 1</DataArray></Points>" +
+           cells + "</Piece></PolyData></VTKFile>";
+  };
+  const auto list = [](const std::string& name, const std::string& numbers) {
+    std::string text = "<DataArray type=\"Int64\" format=\"ascii\" Name=\"";
+    text += name, text += "\">", text += numbers, text += "</DataArray>";
+    return text;
+  };
+  const std::pair<const char*, std::string> files[] = {
+      {"a.vtk", head + "POLYGONS 1 5\n4 0 1 2 3\n"},
+      {"a.vtk", head + "LINES 1 3\n2 0 1\nPOLYGONS 2 8\n3 0 1 2\n3 0 2 3\n"},
+      {"a.vtk", head + "POLYGONS 3 6\nOFFSETS vtktypeint64\n0 3 6\nCONNECTIVITY vtktypeint64\n0 1 2 0 2 3\n"},
+      {"a.vtk", head + "TRIANGLE_STRIPS 1 5\n4 0 1 3 2\n"},
+      {"a.vtp", xml("<Polys>" + list("connectivity", "0 1 2 3") + list("offsets", "4") + "</Polys>")},
+      {"a.vtp", xml("<Strips>" + list("connectivity", "0 1 3 2") + list("offsets", "4") + "</Strips>")}};
+  ReadOptions drawn;
+  drawn.samples_faces = true;
+  for (const auto& [name, content] : files) {
+    const std::filesystem::path file = test::write_file(name, content);
+    EXPECT_EQ(read(file).cloud.size(), 4u) << content;
+    const PointCloud cloud = read(file, drawn).cloud;
+    ASSERT_NEAR(double(cloud.size()), 720 * 720 / 2, 4) << content;
+    for (const vec3& normal : cloud.normals) ASSERT_EQ(normal, vec3(0, 0, 1)) << content;
+  }
+  // Corners that are no points, more of them than there are.
+  for (const char* damaged :
+       {"POLYGONS 1 5\n4 0 1 2 9\n", "POLYGONS 1 5\n9 0 1 2 3\n", "POLYGONS 1 2\n-3 0\n",
+        "POLYGONS 2 4\nOFFSETS vtktypeint64\n0 9\nCONNECTIVITY vtktypeint64\n0 1 2 3\n"}) {
+    const ReadResult result = read(test::write_file("b.vtk", head + damaged), drawn);
+    EXPECT_EQ(result.cloud.size(), 4u) << damaged;
+    EXPECT_EQ(result.report.notes.size(), 1u) << damaged;
+  }
+}
+
 }  // namespace
 }  // namespace sfumato::io
