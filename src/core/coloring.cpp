@@ -238,6 +238,8 @@ std::uint8_t code_of(float linear) {
 /// A scan of which a tenth is lighter than this is light enough: sRGB 211 of its strongest channel. Readers
 /// mark .65 higher than .24, .36, .5 and .8 (docs/measurements/first_view.md).
 constexpr float light_enough = 0.65f, most_exposure = 8;
+/// More shows the noise of dark colours: half of it, in stops, is taken.
+constexpr float clean_exposure = 3;
 /// Nobody sees less, and the file's own colours are worth more.
 constexpr float least_exposure = 1.1f;
 /// Less is as when a photograph is developed: not worth a line.
@@ -252,7 +254,8 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
   if (strongest.empty()) return 1;
   const float light = linear_from_srgb(value_at_share(strongest, 0.9));
   if (!(light > 0) || light >= light_enough) return 1;
-  const float exposure = light_enough * (1 - light) / (light * (1 - light_enough));
+  float exposure = light_enough * (1 - light) / (light * (1 - light_enough));
+  if (exposure > clean_exposure) exposure = std::sqrt(clean_exposure * exposure);
   return exposure < least_exposure ? 1 : std::min(most_exposure, exposure);
 }
 

@@ -386,7 +386,8 @@ Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   const Format& format = find_format(file);
   if (!format.has_faces)
     throw Error(ErrorCode::bad_input,
-                file.string() + ": a " + format.name + " file holds no faces; name a .ply, .obj, .stl or .vtk");
+                file.string() + ": a " + format.name +
+                    " file holds no faces; name a .ply, .obj, .stl or .vtk");
   Faces faces;
   ReadOptions options;
   options.faces = &faces;
