@@ -245,7 +245,7 @@ constexpr float least_exposure = 1.1f;
 /// Less is as when a photograph is developed: not worth a line.
 constexpr float told_exposure = 2;
 
-/// Brings the colour that a tenth of the points exceed to `light_enough`.
+/// Brings the colour that a tenth of the points exceed to `light_enough`, or towards it.
 double automatic_exposure(const std::vector<Rgba8>& colors) {
   const std::size_t stride = std::max<std::size_t>(1, colors.size() / 65'536);
   std::vector<std::uint8_t> strongest;

@@ -17,7 +17,8 @@
 namespace sfumato::io {
 namespace {
 
-constexpr std::uint64_t most_numbers_a_record = 512, most_columns = 256;
+constexpr std::uint64_t most_numbers_a_record = 512, most_columns = 256,
+                        most_coordinates = 16;  ///< of a point that does not lie in a row of its own
 
 struct Array {
   std::vector<Column> columns;
@@ -102,10 +103,10 @@ class NpyHeader {
   /// A point for each pixel of a depth camera, or each point of several clouds: (height, width, columns). Or
   /// a row for each coordinate: (columns, points).
   void make_rows_points() {
-    const bool is_pixels = shape_.size() == 3 && shape_[2] >= 3 && shape_[2] <= most_columns;
+    const bool is_pixels = shape_.size() == 3 && shape_[2] >= 3 && shape_[2] <= most_coordinates;
     if (is_pixels && !array_.by_column && shape_[0] <= 0xFFFFFFFFull && shape_[1] <= 0xFFFFFFFFull)
       shape_ = {shape_[0] * shape_[1], shape_[2]};
-    const bool is_wide = shape_.size() == 2 && shape_[0] >= 3 && shape_[0] <= most_columns;
+    const bool is_wide = shape_.size() == 2 && shape_[0] >= 3 && shape_[0] <= most_coordinates;
     if (is_wide && shape_[1] > most_columns)
       std::swap(shape_[0], shape_[1]), array_.by_column = !array_.by_column;
   }

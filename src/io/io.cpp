@@ -259,22 +259,41 @@ std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
 }
 
 /// What simulators and some drivers write where nothing returned: their range itself. No surface is as far as
-/// another by a ten thousandth, and few returns come from the last tenth. 0 where there is none.
-float range_of_nothing(const PointCloud& cloud) {
+/// another by a ten thousandth, few returns come from the last tenth, and a line of sight with a return has
+/// no other: beside one there are fewer of these than of other returns. 0 where there is none.
+double range_of_nothing(const PointCloud& cloud) {
   constexpr std::size_t sample_size = 65'536, one_in = 100;
-  constexpr float equal = 1e-4f, nearly = 0.1f;
+  constexpr double equal = 1e-4, nearly = 0.1;
+  constexpr int sectors = 512;  // of 0.7 degrees
+  double most = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) most = std::max(most, glm::length(cloud.world(i)));
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
-  std::vector<float> ranges;
-  for (std::size_t i = 0; i < cloud.size(); i += stride) ranges.push_back(float(glm::length(cloud.world(i))));
-  if (ranges.size() < 2 * one_in) return 0;
-  const float most = *std::max_element(ranges.begin(), ranges.end());
-  const auto beyond = [&](float less) {
-    return std::size_t(
-        std::count_if(ranges.begin(), ranges.end(), [&](float range) { return range > (1 - less) * most; }));
-  };
-  const std::size_t at_most = beyond(equal), near_most = beyond(nearly) - at_most;
-  const bool is_nothing =
-      at_most > ranges.size() / one_in && at_most < ranges.size() / 2 && one_in * near_most < at_most;
+  std::size_t all = 0, near_most = 0;
+  std::vector<std::size_t> of_nothing;                                  // the sectors of each
+  std::vector<std::uint32_t> returned(std::size_t(sectors) * sectors);  // azimuth by elevation
+  for (std::size_t i = 0; i < cloud.size(); i += stride, ++all) {
+    const dvec3 p = cloud.world(i);
+    const double range = glm::length(p);
+    if (!(range > 0)) continue;
+    const auto cell = [&](double turn) { return std::clamp(int(turn * sectors), 0, sectors - 1); };
+    const auto sector =
+        std::size_t(cell(0.5 + std::atan2(p.y, p.x) / glm::two_pi<double>()) * sectors +
+                    cell(0.5 + std::asin(std::clamp(p.z / range, -1.0, 1.0)) / glm::two_pi<double>()));
+    if (range > (1 - equal) * most) {
+      of_nothing.push_back(sector);
+    } else {
+      near_most += range > (1 - nearly) * most;
+      ++returned[sector];
+    }
+  }
+  const auto beside = double(std::count_if(of_nothing.begin(), of_nothing.end(),
+                                           [&](std::size_t sector) { return returned[sector] > 0; }));
+  double returns = 0, beside_others = 0;
+  for (const std::uint32_t count : returned) returns += count, beside_others += count > 1 ? count : 0;
+  const auto nothing = double(of_nothing.size());
+  const bool is_nothing = all > 2 * one_in && one_in * nothing > double(all) && 2 * nothing < double(all) &&
+                          double(one_in * near_most) < nothing &&
+                          2 * beside / nothing < beside_others / returns;
   return is_nothing ? (1 - equal) * most : 0;
 }
 
@@ -283,11 +302,11 @@ void leave_out_clamped(ReadResult& result) {
   const ReadReport& report = result.report;
   for (int k = 0; k < 3; ++k)
     if (report.bounds_min[k] > 0 || report.bounds_max[k] < 0) return;
-  const float range = range_of_nothing(result.cloud);
+  const double range = range_of_nothing(result.cloud);
   if (!(range > 0)) return;
   const std::size_t before = result.cloud.size();
   const dvec3 origin = result.cloud.origin;
-  leave_out(result, [&](const vec3& p) { return float(glm::length(dvec3(p) + origin)) > range; });
+  leave_out(result, [&](const vec3& p) { return glm::length(dvec3(p) + origin) > range; });
   const Bounds box = bounds(result.cloud);
   result.report.bounds_min = box.min, result.report.bounds_max = box.max;
   result.report.notes.push_back(counted(before - result.cloud.size(), "record") +
@@ -349,12 +368,11 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of meshes and of the others are no returns.
-  const bool has_faces = wanted.faces && !wanted.faces->empty();
-  if (!has_faces && result.cloud.provenance == Provenance::unknown && format.name != "e57" &&
+  if (!result.has_faces && result.cloud.provenance == Provenance::unknown && format.name != "e57" &&
       format.name != "vtk" && format.name != "vtp" && format.name != "grid") {
     leave_out_no_returns(result, format.name == "kitti", is_part);
     leave_out_nothing(result);
-    leave_out_clamped(result);
+    if (!is_part) leave_out_clamped(result);  // of a part nobody knows how far the farthest is
   }
   stand_as_pictures(file, format, result);
   if (is_part) return result;
@@ -386,7 +404,7 @@ Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   const Format& format = find_format(file);
   if (!format.has_faces)
     throw Error(ErrorCode::bad_input, file.string() + ": a " + format.name +
-                                          " file holds no faces; name a .ply, .obj, .stl or .vtk");
+                                          " file holds no faces; name a .ply, .obj, .stl, .vtk or .vtp");
   Faces faces;
   ReadOptions options;
   options.faces = &faces;

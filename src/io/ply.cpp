@@ -183,7 +183,7 @@ bool is_ply(std::string_view head) { return head.starts_with("ply\n") || head.st
 ReadResult read_ply(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
   const PlyHeader header = read_ply_header(file);
-  const bool has_faces = options.faces && has_ply_faces(header);
+  const bool declares_faces = has_ply_faces(header), has_faces = options.faces && declares_faces;
   ReadResult result = read_ply_vertices(file, header, has_faces, progress);
   // As trainers of splats store what COLMAP found, in the axes of a camera: with normals, all of them zero.
   const ReadReport& report = result.report;
@@ -192,6 +192,7 @@ ReadResult read_ply(const std::filesystem::path& path, const ReadOptions& option
     result.cloud.up = UpAxis::neg_y;
   if (has_faces)
     take_faces(file, options, result, [&] { return read_ply_faces(file, header, result, progress); });
+  result.has_faces = declares_faces;
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/counted.h"
+#include "core/lower_case.h"
 #include "io/columns.h"
 #include "io/faces.h"
 #include "io/file.h"
@@ -19,10 +20,10 @@ namespace {
 constexpr std::uint64_t stl_header = 84;  ///< 80 bytes of anything, the number of facets
 constexpr std::size_t facet_bytes = 50, normal_bytes = 12;
 
-using Place = std::array<float, 3>;
+using Corner = std::array<float, 3>;
 
 /// Three for each facet.
-using Corners = std::vector<Place>;
+using Corners = std::vector<Corner>;
 
 std::uint64_t facets_of(const File& file) {
   if (file.size() < stl_header) return 0;
@@ -31,7 +32,7 @@ std::uint64_t facets_of(const File& file) {
   return count;
 }
 
-Corners read_binary(const File& file, Progress& progress) {
+Corners binary_corners(const File& file, Progress& progress) {
   const std::uint64_t facets = facets_of(file), held = (file.size() - stl_header) / facet_bytes;
   if (facets > held)
     bad_input(file.path(), "header",
@@ -47,38 +48,41 @@ Corners read_binary(const File& file, Progress& progress) {
     file.read(stl_header + first * facet_bytes, block);
     for (std::size_t i = 0; i < count; ++i)
       std::memcpy(&corners[3 * (first + i)], block.data() + i * facet_bytes + normal_bytes,
-                  3 * sizeof(Place));
+                  3 * sizeof(Corner));
     progress.update(double(first + count) / double(facets), "reading");
   }
   return corners;
 }
 
-Corners read_lines(const File& file, Progress& progress) {
+Corners text_corners(const File& file, Progress& progress) {
   Corners corners;
   LineReader lines(file, 0, 1);
-  std::string_view line;
-  while (lines.next(line)) {
+  const auto fail = [&](const std::string& what) {
+    bad_input(file.path(), "line " + std::to_string(lines.line_number()), what);
+  };
+  bool ends = false;
+  for (std::string_view line; lines.next(line);) {
     if (lines.line_number() % 65536 == 0) progress.check();
-    const char *at = skip_blanks(line.data(), line.data() + line.size()), *end = line.data() + line.size();
-    constexpr std::string_view vertex = "vertex";
-    if (!std::string_view(at, std::size_t(end - at)).starts_with(vertex)) continue;
-    at += vertex.size();
+    const char *end = line.data() + line.size(), *at = skip_blanks(line.data(), end), *word_end = at;
+    while (word_end < end && !is_blank(*word_end)) ++word_end;
+    const std::string word = lower_case(std::string(at, word_end));
+    ends = word == "endsolid" || (ends && word.empty());
+    if (word == "endloop" && corners.size() % 3 != 0) fail("found a facet of other than three corners");
+    if (word != "vertex") continue;
+    at = word_end;
     try {
-      Place& place = corners.emplace_back();
-      for (std::size_t k = 0; k < 3; ++k) place[k] = float(next_number(at, end, "a coordinate"));
+      Corner& corner = corners.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) corner[k] = float(next_number(at, end, "a coordinate"));
     } catch (const LineError& error) {
-      bad_input(file.path(), "line " + std::to_string(lines.line_number()),
-                std::string(error.what()) + "; the file is damaged, export it again");
+      fail(std::string(error.what()) + "; the file is damaged, export it again");
     }
   }
-  if (corners.size() % 3 != 0)
-    bad_input(file.path(), "line " + std::to_string(lines.line_number()),
-              "the file ends within a facet; it is cut short, fetch it again");
+  if (!ends) fail("the file ends before its solid; it is cut short, fetch it again");
   return corners;
 }
 
 /// The vertices in the order in which the file names them first; returns which one each corner is.
-std::vector<std::uint32_t> merge(const Corners& corners, std::vector<Place>& vertices) {
+std::vector<std::uint32_t> merge_corners(const Corners& corners, std::vector<Corner>& vertices) {
   std::vector<std::uint32_t> order(corners.size()), vertex_of(corners.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto bits = [&](std::uint32_t i) {
@@ -109,8 +113,10 @@ std::vector<std::uint32_t> merge(const Corners& corners, std::vector<Place>& ver
 }  // namespace
 
 bool is_stl(std::string_view head) {
-  return head.starts_with("solid") && head.find("facet") != std::string_view::npos &&
-         head.find('\0') == std::string_view::npos;
+  const std::string text =
+      lower_case(std::string(head.substr(std::min(head.find_first_not_of(" \t"), head.size()))));
+  return text.starts_with("solid") && text.find("facet") != std::string::npos &&
+         text.find('\0') == std::string::npos;
 }
 
 ReadResult read_stl(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
@@ -118,16 +124,16 @@ ReadResult read_stl(const std::filesystem::path& path, const ReadOptions& option
   const bool is_lines = is_stl(file.read_text(0, 4096));
   if (!is_lines && file.size() < stl_header)
     bad_input(path, "header", "the file ends inside its header; it is cut short, fetch it again");
-  const Corners corners = is_lines ? read_lines(file, progress) : read_binary(file, progress);
+  const Corners corners = is_lines ? text_corners(file, progress) : binary_corners(file, progress);
   if (corners.empty()) bad_input(path, "facets", "found none; export it with its surface");
   if (corners.size() > std::numeric_limits<std::uint32_t>::max())
     bad_input(path, "facets", "found " + counted(corners.size() / 3, "facet") + ", which are too many");
-  std::vector<Place> vertices;
-  const std::vector<std::uint32_t> vertex_of = merge(corners, vertices);
+  std::vector<Corner> vertices;
+  const std::vector<std::uint32_t> vertex_of = merge_corners(corners, vertices);
   std::vector<Column> columns;
   for (std::size_t k = 0; k < 3; ++k)
     columns.push_back({std::string(1, "xyz"[k]), StoredType::float32, StoredType::float32, k * sizeof(float),
-                       sizeof(Place)});
+                       sizeof(Corner)});
   assign_roles(columns);
   ReadResult result;
   CloudBuilder builder(columns, vertices.size(), false, options.faces != nullptr);

@@ -299,6 +299,8 @@ bool are_pixels(const SampleRows& rows) {
     const Summary column = summary_of(rows, k);
     if (!column.is_complete || column.is_whole != (k < 2)) return false;
     if (k < 2 && (column.low < 0 || column.high >= most)) return false;
+    // Heights on a grid of whole metres, with normals or colours.
+    if (k > 2 && column.low >= -1 && column.high <= 1) return false;
   }
   const auto goes_on = [&](std::size_t slow, std::size_t fast) {
     return std::ranges::is_sorted(rows, std::less_equal(), [&](const std::vector<double>& row) {

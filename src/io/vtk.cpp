@@ -320,8 +320,9 @@ ReadResult VtkArrays::build(const ReadOptions& options, Progress& progress) {
     columns_[i].values = {};
   }
   ReadResult result;
-  const bool has_faces = options.faces && !polygons_.empty();
+  const bool has_faces = options.faces && !polygons_.empty() && !why_dropped_;
   table.build(has_faces, progress, result);
+  if (why_dropped_) result.report.notes.push_back(vertices_alone(File(path_), *why_dropped_));
   if (has_faces) take_faces(File(path_), options, result, [&] { return faces_over(result, progress); });
   return result;
 }

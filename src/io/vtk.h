@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/error.h"
 #include "io/format.h"
 #include "io/table.h"
 
@@ -30,6 +32,8 @@ class VtkArrays {
     std::size_t first_point = 0;
   };
   void add_polygons(Polygons polygons);
+  /// Where only the drawing wants them.
+  void drop_polygons(const Error& why) { polygons_.clear(), why_dropped_ = why; }
   std::size_t rows() const { return rows_; }
   ReadResult build(const ReadOptions& options, Progress& progress);
 
@@ -43,6 +47,7 @@ class VtkArrays {
   std::filesystem::path path_;
   std::vector<Named> columns_;
   std::vector<Polygons> polygons_;
+  std::optional<Error> why_dropped_;
   std::size_t rows_ = 0, first_point_ = 0;
 };
 

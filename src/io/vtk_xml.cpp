@@ -128,6 +128,14 @@ class XmlReader {
   [[noreturn]] void fail(const std::string& what) const { bad_input(path_, "XML", what); }
 
   void add_polygons(const pugi::xml_node& piece) {
+    try {
+      take_polygons(piece);
+    } catch (const Error& error) {
+      if (!options_.samples_faces || error.code() != ErrorCode::bad_input) throw;
+      out_.drop_polygons(error);
+    }
+  }
+  void take_polygons(const pugi::xml_node& piece) {
     for (const char* kind : {"Polys", "Strips"}) {
       const auto values = [&](const char* name) {
         const pugi::xml_node array = piece.child(kind).find_child_by_attribute("DataArray", "Name", name);

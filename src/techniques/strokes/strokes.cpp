@@ -106,9 +106,9 @@ class Strokes final : public Technique {
       return true;
     }
     // The frame that builds the lists shows the blurred picture; sorting starts with the next.
-    remember(frame);
     show_listed(frame, view);
     copy(frame.target, blurred_, view);
+    remember(frame);
     notes_.push_back(unsorted_note);
     return true;
   }

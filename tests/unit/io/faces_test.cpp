@@ -326,7 +326,10 @@ std::string stl_text() {
 
 TEST(FacesTest, FacetsOfStlShareTheirCorners) {
   // A binary file may begin with the word of text files.
-  for (const std::string& bytes : {stl_bytes("a scanner", 4), stl_bytes("solid", 4), stl_text()}) {
+  std::string capitals = stl_text();
+  for (char& c : capitals) c = char(std::toupper(static_cast<unsigned char>(c)));
+  for (const std::string& bytes :
+       {stl_bytes("a scanner", 4), stl_bytes("solid", 4), stl_text(), "  " + capitals}) {
     const std::filesystem::path file = write_file("a.stl", bytes);
     const PointCloud vertices = io::read(file).cloud;
     ASSERT_EQ(vertices.size(), 4u);
@@ -356,8 +359,10 @@ TEST(FacesTest, DamagedStlIsAnError) {
   EXPECT_NE(why(stl_bytes("", 0)).find("found none"), std::string::npos);
   EXPECT_NE(why(std::string(40, 'a')).find("inside its header"), std::string::npos);
   const std::string text = stl_text();
-  EXPECT_NE(why(text.substr(0, text.rfind("vertex"))).find("within a facet"), std::string::npos);
+  EXPECT_NE(why(text.substr(0, text.rfind("vertex"))).find("before its solid"), std::string::npos);
   EXPECT_NE(why("solid\nfacet\nvertex 1 2 a\n").find("line 3"), std::string::npos);
+  EXPECT_NE(why(text.substr(0, text.rfind("endsolid"))).find("before its solid"), std::string::npos);
+  EXPECT_NE(why("solid\nfacet\nvertex 1 2 3\nendloop\n").find("line 4"), std::string::npos);
   test::expect_cuts_are_safe("a.stl", text, 4);
   test::expect_cuts_are_safe("a.stl", stl_bytes("", 4), 4);
   test::expect_changes_are_safe("a.stl", stl_bytes("", 4));
@@ -379,6 +384,7 @@ TEST(FacesTest, VerticesAreNoRecordsOfNothing) {
   const io::ReadResult result = drawn(write_file("a.ply", head + vertices + faces));
   EXPECT_TRUE(has_note(result, "300 faces sampled to"));
   EXPECT_FALSE(has_note(result, "left out"));
+  EXPECT_EQ(io::read(test::temp_file("a.ply")).cloud.size(), 900u) << "whoever asks for vertices";
 }
 
 TEST(FacesTest, RealMeshesAreSampled) {

@@ -188,6 +188,11 @@ TEST(Npy, RowsColumnsAndRecords) {
     ASSERT_EQ(turned.size(), 300u);
     EXPECT_EQ(turned.positions.at(1), vec3(1, 301, 601));
   }
+  // Pictures of depths, and channels in rows of pixels.
+  for (const char* shape : {"17, 300", "3, 17, 20"})
+    EXPECT_TRUE(
+        test::error_of(test::write_file("m.npy", npy("'<f4'", shape, std::string(4 * 17 * 300, '\0')))))
+        << shape;
   EXPECT_TRUE(test::error_of(test::write_file("k.npy", npy("'<f4'", "2, 2, 3", pixels, true))));
   // NumPy's own names say nothing.
   const std::string unnamed = npy("[('f0', '<f4'), ('f1', '<f4'), ('f2', '<f4'), ('f3', '|u1')]", "1,",

@@ -360,22 +360,36 @@ TEST(StrangersKinds, RecordsOfNothingAreLeftOut) {
 }
 
 TEST(StrangersKinds, RangesOfNothingAreLeftOut) {
+  // A lidar of 32 lines between two walls, below the sky.
   std::string walls, sky, ball;
-  for (int i = 0; i < 2000; ++i) {
-    const double angle = 0.0174 * i, rise = 0.02 * (i % 32) - 0.4;
+  std::size_t returns = 0, others = 0;
+  for (int i = 0; i < 32 * 900; ++i) {
+    const double angle = 2 * M_PI * (i / 32) / 900, rise = 0.02 * (i % 32) - 0.4;
     const dvec3 way(std::cos(rise) * std::cos(angle), std::cos(rise) * std::sin(angle), std::sin(rise));
     const auto line = [&](double range) {
       const dvec3 p = range * way;
       return std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
     };
-    walls += line(std::min(40.0, 8 / std::abs(std::sin(angle) + 1e-9)));
-    if (i % 3 == 0) sky += line(120);
+    ++(rise > 0 ? others : returns);
+    (rise > 0 ? sky : walls) += line(rise > 0 ? 120 : std::min(40.0, 8 / std::abs(std::sin(angle) + 1e-9)));
     ball += line(40);
   }
-  EXPECT_EQ(read_text(walls + sky).cloud.size(), 2000u);
-  EXPECT_THAT(notes_of(read_text(walls + sky)), HasSubstr("667 records as far from 0 0 0 as the farthest"));
-  EXPECT_NEAR(read_text(walls + sky).report.bounds_max.x, 40, 0.1);
-  EXPECT_EQ(read_text(ball).cloud.size(), 2000u);
+  const io::ReadResult read = read_text(walls + sky);
+  EXPECT_EQ(read.cloud.size(), returns);
+  EXPECT_THAT(notes_of(read),
+              HasSubstr(std::to_string(others) + " records as far from 0 0 0 as the farthest"));
+  EXPECT_NEAR(read.report.bounds_max.x, 40, 0.1);
+  EXPECT_EQ(read_text(ball).cloud.size(), returns + others);
+  // Of two shells the outer one lies along the same lines of sight.
+  std::string shells;
+  for (int i = 0; i < 4000; ++i) {
+    const double angle = 2.39996 * i, z = 1 - 2 * (i + 0.5) / 4000, across = std::sqrt(1 - z * z);
+    for (const double range : {0.5, 1.0})
+      if (range < 1 || i % 2 == 0)
+        shells += std::to_string(range * across * std::cos(angle)) + " " +
+                  std::to_string(range * across * std::sin(angle)) + " " + std::to_string(range * z) + "\n";
+  }
+  EXPECT_EQ(read_text(shells).cloud.size(), 6000u);
   // A scan that was cut at a distance has points up to it.
   std::string cut;
   for (int i = 0; i < 3000; ++i) cut += std::to_string(0.01 * i - 15) + " " + std::to_string(i % 60) + " 1\n";

@@ -143,6 +143,7 @@ TEST(TextTest, RowsAndColumnsOfAScanArePassedOver) {
   // Heights on a grid of whole metres, with classes or in any order; a place twice.
   for (const char* heights :
        {"0 0 1.5 2 3.5\n0 1 1.6 2 3.5\n1 0 1.5 2 3.5\n",
+        "0 0 1.5 0.1 0.2 0.97\n0 1 1.6 0.1 0.2 0.97\n1 0 1.5 0.1 0.2 0.97\n",
         "5 0 1.5 2.5 3.5\n0 1 1.6 2.5 3.5\n3 0 1.5 2.6 3.5\n",
         "0 0 1.5 2.5 3.5\n0 0 1.6 2.5 3.5\n0 1 1.5 2.6 3.5\n", "0 0 1.5\n0 1 1.6\n1 0 1.5\n"})
     EXPECT_NEAR(read_text(heights).cloud.world(1).z, 1.6, 1e-6) << heights;

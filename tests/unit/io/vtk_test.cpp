@@ -201,6 +201,11 @@ TEST_F(VtkTest, PolygonsAreSampled) {
     ASSERT_NEAR(double(cloud.size()), 720 * 720 / 2, 4) << content;
     for (const vec3& normal : cloud.normals) ASSERT_EQ(normal, vec3(0, 0, 1)) << content;
   }
+  const ReadResult cut = read(test::write_file("c.vtp", xml("<Polys>" + list("connectivity", "0 1 2 3 x") +
+                                                            list("offsets", "4") + "</Polys>")),
+                              drawn);
+  EXPECT_EQ(cut.cloud.size(), 4u);
+  EXPECT_EQ(cut.report.notes.size(), 1u);
   // Corners that are no points, more of them than there are.
   for (const char* damaged :
        {"POLYGONS 1 5\n4 0 1 2 9\n", "POLYGONS 1 5\n9 0 1 2 3\n", "POLYGONS 1 2\n-3 0\n",
