@@ -17,7 +17,7 @@
 namespace sfumato::io {
 namespace {
 
-constexpr std::uint64_t most_numbers_a_record = 512, most_columns = 256,
+constexpr std::uint64_t most_numbers_a_record = 512, most_in_a_row = 256,
                         most_coordinates = 16;  ///< of a point that does not lie in a row of its own
 
 struct Array {
@@ -95,7 +95,7 @@ class NpyHeader {
     if (!is_cloud_ && shape_.size() == 1) shape_.push_back(1), is_list_ = true;
     if (is_cloud_) make_rows_points();
     if (shape_.empty() || shape_.size() > 2 || shape_[0] > 0xFFFFFFFFull ||
-        (shape_.size() == 2 && shape_[1] > most_columns))
+        (shape_.size() == 2 && shape_[1] > most_in_a_row))
       fail("found an array of another shape than (points, columns); save the points as rows");
     array_.rows = shape_[0];
   }
@@ -107,7 +107,7 @@ class NpyHeader {
     if (is_pixels && !array_.by_column && shape_[0] <= 0xFFFFFFFFull && shape_[1] <= 0xFFFFFFFFull)
       shape_ = {shape_[0] * shape_[1], shape_[2]};
     const bool is_wide = shape_.size() == 2 && shape_[0] >= 3 && shape_[0] <= most_coordinates;
-    if (is_wide && shape_[1] > most_columns)
+    if (is_wide && shape_[1] > most_in_a_row)
       std::swap(shape_[0], shape_[1]), array_.by_column = !array_.by_column;
   }
 
