@@ -1,6 +1,7 @@
 #include "io/io.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <sstream>
@@ -226,6 +227,17 @@ void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool i
                          " 0 0 0, as scanners write where nothing returned: left out");
 }
 
+bool has_many_at_an_end(const std::vector<vec3>& sample, std::size_t most) {
+  if (sample.empty()) return false;
+  vec3 low = sample[0], high = sample[0];
+  for (const vec3& p : sample) low = glm::min(low, p), high = glm::max(high, p);
+  std::array<std::size_t, 6> counts{};
+  for (const vec3& p : sample)
+    for (int k = 0; k < 3; ++k)
+      counts[std::size_t(2 * k)] += p[k] == low[k], counts[std::size_t(2 * k + 1)] += p[k] == high[k];
+  return std::any_of(counts.begin(), counts.end(), [&](std::size_t count) { return count > most; });
+}
+
 /// Places that many records share exactly, and that are farther from the box of all others than that is long:
 /// no thing was measured there.
 std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
@@ -234,9 +246,11 @@ std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
   std::vector<vec3> sample;
   for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.positions[i]);
+  const std::size_t most = std::max<std::size_t>(few_in_one_place, std::size_t(many * double(sample.size())));
+  // What is beyond all others has the least or the greatest coordinate along an axis, more than a few times.
+  if (!has_many_at_an_end(sample, most)) return {};
   std::sort(sample.begin(), sample.end(),
             [](const vec3& a, const vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
-  const std::size_t most = std::max<std::size_t>(few_in_one_place, std::size_t(many * double(sample.size())));
   std::vector<vec3> shared;
   constexpr float infinite = std::numeric_limits<float>::infinity();
   vec3 low(infinite), high(-infinite);  // of the others
@@ -265,9 +279,17 @@ double range_of_nothing(const PointCloud& cloud) {
   constexpr std::size_t sample_size = 65'536, one_in = 100;
   constexpr double equal = 1e-4, nearly = 0.1;
   constexpr int sectors = 512;  // of 0.7 degrees
-  double most = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) most = std::max(most, glm::length(cloud.world(i)));
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
+  std::vector<double> ranges;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) ranges.push_back(glm::length(cloud.world(i)));
+  double most = ranges.empty() ? 0 : *std::max_element(ranges.begin(), ranges.end());
+  const auto beyond = [&](double less) {
+    return std::size_t(
+        std::count_if(ranges.begin(), ranges.end(), [&](double range) { return range > (1 - less) * most; }));
+  };
+  const std::size_t at_most = beyond(equal);
+  if (one_in * at_most <= ranges.size() || one_in * (beyond(nearly) - at_most) >= at_most) return 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) most = std::max(most, glm::length(cloud.world(i)));
   std::size_t all = 0, near_most = 0;
   std::vector<std::size_t> of_nothing;                                  // the sectors of each
   std::vector<std::uint32_t> returned(std::size_t(sectors) * sectors);  // azimuth by elevation
