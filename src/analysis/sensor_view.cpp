@@ -81,15 +81,11 @@ std::size_t steps_of(std::vector<double> values, double low, double high) {
   return mean > 0 && are_few ? values.size() - closed : 0;
 }
 
-/// Whether points come in columns of pixels: by their slopes, and not because they lie on a lattice, which
-/// has fewer places than slopes.
-bool is_in_columns(const std::vector<double>& slopes, const std::vector<double>& across) {
-  const std::size_t columns =
-      steps_of(slopes, value_at_share(std::vector(slopes), 0.02), value_at_share(std::vector(slopes), 0.98));
-  const std::size_t places = columns == 0 ? 0
-                                          : steps_of(across, value_at_share(std::vector(across), 0.02),
-                                                     value_at_share(std::vector(across), 0.98));
-  return columns > 0 && (places == 0 || columns <= places);
+/// Whether slopes of so many steps are those of pixels: points of a lattice have fewer places than slopes.
+bool are_of_pixels(std::size_t slopes, const std::vector<double>& places) {
+  const std::size_t steps =
+      steps_of(places, value_at_share(std::vector(places), 0.02), value_at_share(std::vector(places), 0.98));
+  return steps == 0 || slopes <= steps;
 }
 
 /// Points by columns along x, for the few whose nearest are asked for: a tree would cost more.
@@ -175,9 +171,10 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
   // land.
   const int coarse = std::max(side / 2, 4);
   const double open = cells.open_share(x, y), open_coarse = Cells(x, y, coarse).open_share(x, y);
-  const std::vector<double> slopes_x = x, slopes_y = y;
+  const std::size_t columns = steps_of(x, low.x, high.x),
+                    rows = columns == 0 ? 0 : steps_of(y, low.y, high.y);
   for (std::size_t i = 0; i < depths.size(); ++i) x[i] *= depths[i], y[i] *= depths[i];
-  view.of_pixels = is_in_columns(slopes_x, x) && is_in_columns(slopes_y, y);
+  view.of_pixels = rows > 0 && are_of_pixels(columns, x) && are_of_pixels(rows, y);
   const auto closed_share = [&](double open_before, int cells_across) {
     constexpr double chance = 0.02;  // of the cells, which random points leave open
     const double open_across = Cells(x, y, cells_across).open_share(x, y);

@@ -542,9 +542,12 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
   const bool by_photographs = cloud.up == UpAxis::neg_y;  // COLMAP, splats, depth images
   const dvec3 lidar =
       cloud.scanners.size() == 1 && std::isfinite(cloud.scanners[0].x) ? cloud.scanners[0] : dvec3(0);
-  std::array<double, 3> turned{};
+  std::array<double, 3> turned{}, looked_down{};
   if (cloud.scanners.size() <= 1 && !by_photographs)
-    for (int axis = 0; axis < 3; ++axis) turned[std::size_t(axis)] = sample.turned_about(lidar, axis);
+    for (int axis = 0; axis < 3; ++axis) {
+      turned[std::size_t(axis)] = sample.turned_about(lidar, axis);
+      if (turned[std::size_t(axis)] > 0) looked_down[std::size_t(axis)] = sample.looked_down(lidar, axis);
+    }
   // What a picture shows is cut by its frame and faces the camera, and the lines of a lidar are no surfaces:
   // that is no evidence any more.
   const double whole = (1 - std::max({ahead.seen, before.seen, behind.seen})) *
@@ -601,7 +604,7 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
     set(UpEvidence::faces_up, whole * surface.ahead);
     set(UpEvidence::reaches, whole * sample.ends_along(axis).fullest);
     set(UpEvidence::lidar, turned[std::size_t(axis)]);
-    const double down = (positive ? 1 : -1) * sample.looked_down(lidar, axis);
+    const double down = (positive ? 1 : -1) * looked_down[std::size_t(axis)];
     set(UpEvidence::ground, turned[std::size_t(axis)] *
                                 std::lerp(facets.below(lidar, way), down < 0 ? -1 : 1, std::abs(down) / 3));
     set(UpEvidence::placed, whole * placed(box, up));

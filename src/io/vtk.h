@@ -13,8 +13,6 @@
 
 namespace sfumato::io {
 
-struct Faces;
-
 /// Arrays of as many tuples as there are points become columns; others are of cells, or of nobody.
 class VtkArrays {
  public:
