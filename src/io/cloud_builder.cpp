@@ -387,6 +387,9 @@ void CloudBuilder::finish_colors(const std::vector<Stats>& stats, const Choices*
   };
   // Fractions, bytes in a wider type, 12 or 16 bit: the file does not say, what most points have does.
   ColorDepth depth;
+  const auto largest_in = [&](int column) { return stats[std::size_t(column)].max; };
+  const bool fit_bytes =
+      std::max({largest_in(color_[0]), largest_in(color_[1]), largest_in(color_[2])}) <= largest_of(8);
   std::uint64_t fractions = 0, others = 0, absent = 0;
   constexpr float largest_fraction = 1.01f;  // computed ones end a little above 1
   for (const vec4& c : raw_colors_) {
@@ -397,7 +400,7 @@ void CloudBuilder::finish_colors(const std::vector<Stats>& stats, const Choices*
     }
     if (largest > 0) ++(largest <= largest_fraction ? fractions : others);
     const auto whole = [](float value) { return std::uint32_t(std::clamp(value, 0.0f, 65535.0f)); };
-    depth.add(whole(c.x), whole(c.y), whole(c.z));
+    if (!fit_bytes) depth.add(whole(c.x), whole(c.y), whole(c.z));
   }
   if (absent == raw_colors_.size() && !chosen) {
     raw_colors_ = {};

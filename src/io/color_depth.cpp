@@ -1,29 +1,21 @@
 #include "io/color_depth.h"
 
-#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/counted.h"
 
 namespace sfumato::io {
 
-void ColorDepth::add(std::uint32_t red, std::uint32_t green, std::uint32_t blue) {
-  const std::uint32_t largest = std::min<std::uint32_t>(std::max({red, green, blue}), 65535);
-  ++counts_[largest];
-  if (largest == 0) return;
-  ++points_;
-  are_shifted_ = are_shifted_ && ((red | green | blue) & 255) == 0;
-  are_repeated_ = are_repeated_ && red % 257 == 0 && green % 257 == 0 && blue % 257 == 0;
-}
-
 int ColorDepth::bits() const {
   constexpr double share = 0.99;
-  if (points_ == 0) return 0;
-  auto left = std::uint64_t(std::ceil(share * double(points_)));
+  const std::uint64_t points = std::accumulate(counts_.begin() + 1, counts_.end(), std::uint64_t(0));
+  if (points == 0) return 0;
+  auto left = std::uint64_t(std::ceil(share * double(points)));
   std::uint32_t largest = 0;
   while (left > 0 && largest < 65535) left -= std::min<std::uint64_t>(left, counts_[++largest]);
   if (largest <= largest_of(8)) return 8;
-  return largest > largest_of(12) || are_shifted_ || are_repeated_ ? 16 : 12;
+  return largest > largest_of(12) || low_ == 0 || unlike_ == 0 ? 16 : 12;
 }
 
 std::uint64_t ColorDepth::beyond(int bits) const {

@@ -393,13 +393,14 @@ void PointCollector::place_colors(ReadResult& result, Progress& progress) {
     const std::size_t last = std::min(colors_.size(), (task + 1) * pass_size);
     for (std::size_t i = task * pass_size; i < last; ++i) {
       std::array<std::uint16_t, 3> c = colors_[i];
-      for (std::uint16_t& value : c)
-        value = std::uint16_t(std::min(value, most) << (is_8bit ? 0 : 16 - bits));
-      const auto& [r, g, b] = c;
+      if (bits < 16)
+        for (std::uint16_t& value : c)
+          value = std::uint16_t(std::min(value, most) << (is_8bit ? 0 : 16 - bits));
       if (is_8bit) {
-        colors[i] = {std::uint8_t(r), std::uint8_t(g), std::uint8_t(b), 255};
+        colors[i] = {std::uint8_t(c[0]), std::uint8_t(c[1]), std::uint8_t(c[2]), 255};
         continue;
       }
+      const auto& [r, g, b] = c;
       colors[i] = {std::uint8_t(r >> 8), std::uint8_t(g >> 8), std::uint8_t(b >> 8), 255};
       low[i] = float((r & 255) << 16 | (g & 255) << 8 | (b & 255));
       if ((r & 255) != r >> 8 || (g & 255) != g >> 8 || (b & 255) != b >> 8) repeats[task] = 0;

@@ -214,13 +214,13 @@ class PointLines final : public LineGrammar {
           value = other;
         }
         const bool whole = behind && (behind == end || is_blank(*behind) || is_separator(*behind));
-        if (!wanted_[k])
+        if (!wanted_[k]) {
           behind = word_end(at, end);
-        else if (k == 0 && is_mark(line))
-          return false;
-        else if (!whole)
+        } else if (!whole) {
+          if (k == 0 && is_mark(line)) return false;
           throw LineError("found '" + std::string(at, word_end(at, std::min(end, at + 20))) +
                           "', expected a number in column " + std::to_string(k + 1));
+        }
         at = skip_blanks(behind, end);
       }
       if (at < end && is_separator(*at)) ++at;
