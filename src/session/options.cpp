@@ -432,7 +432,8 @@ void add_points(Table& t) {
           "names of the columns of text files, .npy rows and .bin floats, instead of a guess",
           read(&io::ReadOptions::columns), [](Text, Text text) { return split(text, ','); })
       .python("words");
-  t.flag("--vertices", "of meshes (PLY, OBJ, STL, VTK) the vertices alone, instead of points on the faces",
+  t.flag("--vertices",
+         "of meshes (PLY, OBJ, OFF, STL, VTK) the vertices alone, instead of points on the faces",
          &Request::vertices)
       .served();
   t.flag("--strict", "refuse partly damaged files instead of skipping the damaged parts",

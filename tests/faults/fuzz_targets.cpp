@@ -58,13 +58,18 @@ void read_cloud(std::string_view bytes) {
 }
 
 constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".ply", pcd[] = ".pcd",
-               obj[] = ".obj", e57[] = ".e57", ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz",
-               npy[] = ".npy", npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin", grid[] = ".asc",
-               colmap[] = ".bin", splat[] = ".splat", ksplat[] = ".ksplat";
+               obj[] = ".obj", off[] = ".off", stl[] = ".stl", vtk[] = ".vtk", vtp[] = ".vtp", e57[] = ".e57",
+               ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz", npy[] = ".npy", npz[] = ".npz",
+               draco[] = ".drc", kitti[] = ".bin", grid[] = ".asc", colmap[] = ".bin", splat[] = ".splat",
+               ksplat[] = ".ksplat";
 
 void read_mesh(std::string_view bytes) {
-  static const MemoryFolder::File ply_file(folder(), "mesh.ply"), obj_file(folder(), "mesh.obj");
-  const MemoryFolder::File& file = bytes.starts_with("ply") ? ply_file : obj_file;
+  // Text tells its format itself.
+  static const MemoryFolder::File ply_file(folder(), "mesh.ply"), obj_file(folder(), "mesh.obj"),
+      stl_file(folder(), "mesh.stl");
+  const MemoryFolder::File& file = bytes.starts_with("ply")                     ? ply_file
+                                   : bytes.find('\0') != std::string_view::npos ? stl_file
+                                                                                : obj_file;
   file.set(bytes);
   answer([&] { io::read_mesh(file.path()); });
 }
@@ -137,6 +142,10 @@ const std::map<std::string, FuzzTarget>& fuzz_targets() {
                                                         {"ply", read_cloud<ply>},
                                                         {"pcd", read_cloud<pcd>},
                                                         {"obj", read_cloud<obj>},
+                                                        {"off", read_cloud<off>},
+                                                        {"stl", read_cloud<stl>},
+                                                        {"vtk", read_cloud<vtk>},
+                                                        {"vtp", read_cloud<vtp>},
                                                         {"e57", read_cloud<e57>},
                                                         {"ptx", read_cloud<ptx>},
                                                         {"pts", read_cloud<pts>},

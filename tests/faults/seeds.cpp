@@ -87,6 +87,35 @@ std::vector<Seed> seeds() {
   for (const char* data : {"ascii", "binary", "binary_compressed"}) add("pcd", ".pcd", pcd(data));
   add("obj", ".obj",
       "# made here\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1e-3 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf -1 -2 -3\n");
+  add("off", ".off",
+      "COFF\n# made here\n3 2 0\n0 0 0 10 20 30 255\n1 0 0 0 0 0 255\n0 1e-1 0 5 5 5 255\n3 0 1 2 255 0 0\n3 "
+      "2 1 0\n");
+  add("stl", ".stl",
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e-1 "
+      "0\nendloop\nendfacet\nendsolid a\n");
+  add("stl", ".stl",
+      std::string(80, ' ') + bytes_of(1u, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f,
+                                      0.0f, std::uint16_t(0)));
+  const std::string vtk =
+      "# vtk DataFile Version 3.0\nmade here\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 1 2 3 4 5\n6 7 "
+      "8.5\n";
+  add("vtk", ".vtk",
+      vtk + "POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nSCALARS heat float 1\nLOOKUP_TABLE default\n1.5 2.5 3.5\n");
+  add("vtk", ".vtk",
+      vtk +
+          "TRIANGLE_STRIPS 1 4\n3 0 1 2\nPOINT_DATA 3\nFIELD FieldData 1\npaint 3 3 unsigned_char\n1 2 3 4 5 "
+          "6 7 8 9\n");
+  add("vtp", ".vtp",
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\"><PolyData>"
+      "<Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><PointData><DataArray type=\"Float32\" Name=\"heat\" "
+      "format=\"ascii\">1 2 3"
+      "</DataArray></PointData><Points><DataArray type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\" "
+      "format=\"ascii\">"
+      "0 1 2 3 4 5 6 7 8</DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" "
+      "format=\"ascii\">0 1 2</DataArray>"
+      "<DataArray type=\"Int32\" Name=\"offsets\" "
+      "format=\"ascii\">3</DataArray></Polys></Piece></PolyData></VTKFile>\n");
   add("e57", ".e57", two_scans());
   add("ptx", ".ptx",
       std::string("2\n2\n") + ptx_head +

@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
       write("exr", seed.companion);
     else
       write(seed.format, seed.companion.empty() ? seed.bytes : seed.bytes + '\0' + seed.companion);
-    if (seed.format == "ply" || seed.format == "obj") write("mesh", seed.bytes);
+    for (const char* format : {"ply", "obj", "off", "stl", "vtk", "vtp"})
+      if (seed.format == format) write("mesh", seed.bytes);
   }
   write(
       "camera",
