@@ -259,21 +259,6 @@ double automatic_exposure(const std::vector<Rgba8>& colors) {
   return exposure < least_exposure ? 1 : std::min(most_exposure, exposure);
 }
 
-/// Whether there are more colours than anybody would choose for labels.
-bool are_of_photographs(const std::vector<Rgba8>& colors) {
-  constexpr int most_labels = 64;
-  std::vector<bool> seen(std::size_t(1) << 24);
-  int count = 0;
-  for (const Rgba8& c : colors) {
-    if (c == no_color) continue;
-    const std::size_t code = std::size_t(c.r) << 16 | std::size_t(c.g) << 8 | c.b;
-    if (seen[code]) continue;
-    seen[code] = true;
-    if (++count > most_labels) return true;
-  }
-  return false;
-}
-
 /// Photographs in colour fade towards black: where more is black than in all other dark colours, also of four
 /// bits a channel, it is what tools write for points that no photograph shows.
 bool is_black_none(const std::vector<Rgba8>& colors) {
@@ -335,6 +320,20 @@ void shade(const ScalarField& field, const ColorSettings& settings, Coloring& ou
 }
 
 }  // namespace
+
+bool are_of_photographs(const std::vector<Rgba8>& colors) {
+  constexpr int most_labels = 64;
+  std::vector<bool> seen(std::size_t(1) << 24);
+  int count = 0;
+  for (const Rgba8& c : colors) {
+    if (c == no_color) continue;
+    const std::size_t code = std::size_t(c.r) << 16 | std::size_t(c.g) << 8 | c.b;
+    if (seen[code]) continue;
+    seen[code] = true;
+    if (++count > most_labels) return true;
+  }
+  return false;
+}
 
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
   Coloring out;

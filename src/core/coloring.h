@@ -83,6 +83,9 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 /// flight line 66 and 67 shows nothing.
 bool names_things(const ScalarField& field);
 
+/// Whether there are more colours than anybody would choose for labels.
+bool are_of_photographs(const std::vector<Rgba8>& colors);
+
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.
 std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t limit);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/coloring.h"
 #include "core/counted.h"
 #include "io/face_normals.h"
 #include "io/parallel.h"
@@ -17,6 +18,8 @@ constexpr double usual_lines = 720;
 constexpr double seldom_wide = 0.01;
 /// Radii as of points that are measured so densely: twice the side of a point's square over root pi
 /// (analysis/attributes.h).
+/// Colours of as many vertices would not be so few by chance; those of fewer may be corners of a gradient.
+constexpr std::size_t most_named = 1000;
 const double radius_of_step = 2 / std::sqrt(M_PI);
 
 /// A part of a triangle, by the shares that its corners have of those of the triangle.
@@ -127,6 +130,7 @@ class Samples {
       : faces_(std::move(faces)),
         cloud_(cloud),
         has_random_normals_(has_random_normals(faces_, cloud)),
+        has_labels_(cloud.size() >= most_named && !are_of_photographs(cloud.colors)),
         passed_(std::move(passed)),
         count_(count),
         step_(passed_.back() / double(count)) {
@@ -142,7 +146,7 @@ class Samples {
     out.origin = cloud_.origin, out.up = cloud_.up, out.up_is_known = cloud_.up_is_known,
     out.provenance = cloud_.provenance, out.crs = cloud_.crs;
     const std::size_t n = std::size_t(count_);
-    out.positions.resize(n), out.normals.resize(n);
+    out.positions.resize(n), out.normals.resize(n), out.radii.resize(n);
     const bool colored = !cloud_.colors.empty() || !faces_.colors.empty() || !faces_.textures.empty();
     if (colored) out.colors.resize(n);
     for (const ScalarField& field : cloud_.scalars) {
@@ -164,7 +168,6 @@ class Samples {
       }
     });
     leave_out_transparent(out);
-    out.radii.assign(out.size(), float(radius_of_step * std::sqrt(step_)));
     return out;
   }
 
@@ -178,12 +181,16 @@ class Samples {
       whole.shares[k] = dvec3(k == 0, k == 1, k == 2);
       whole.at[k] = dvec3(cloud_.positions[corners[k]]);
     }
+    // Two triangles that are smaller than a step are a square of half their longest edge squared.
+    const double edge = longest_edge(cloud_, corners);
+    const auto radius = float(radius_of_step * std::sqrt(std::min(step_, 0.5 * edge * edge)));
     bool is_known = false;
     std::array<vec3, 3> normals;
     sample_piece(whole, before, area, 0, [&](std::uint64_t k, const dvec3& shares) {
       if (k >= count_) return;
       if (!is_known) normals = corner_normals(t), is_known = true;
       const std::size_t i = std::size_t(k);
+      out.radii[i] = radius;
       out.positions[i] = vec3(whole.at[0] * shares.x + whole.at[1] * shares.y + whole.at[2] * shares.z);
       const vec3 share(shares), normal = normals[0] * share.x + normals[1] * share.y + normals[2] * share.z;
       const float length = glm::length(normal);
@@ -225,7 +232,7 @@ class Samples {
       vec4 sum(0);
       for (std::size_t k = 0; k < 3; ++k) {
         const Rgba8& c = cloud_.colors[corners[k]];
-        if (c.a == 0) return cloud_.colors[corners[nearest]];
+        if (c.a == 0 || has_labels_) return cloud_.colors[corners[nearest]];
         sum += share[int(k)] * vec4(c.r, c.g, c.b, c.a);
       }
       const auto byte = [](float v) { return std::uint8_t(std::clamp(v + 0.5f, 0.0f, 255.0f)); };
@@ -295,7 +302,7 @@ class Samples {
 
   Faces faces_;
   const PointCloud& cloud_;
-  bool has_random_normals_;
+  bool has_random_normals_, has_labels_;
   std::vector<double> passed_;  ///< area of the triangles before each
   std::uint64_t count_ = 0;
   double step_ = 0;  ///< area of a sample
@@ -312,6 +319,16 @@ std::vector<std::uint32_t> loose_vertices(const Faces& faces, std::size_t vertic
   for (std::size_t i = 0; i < vertices; ++i)
     if (!used[i]) loose.push_back(std::uint32_t(i));
   return loose;
+}
+
+/// The area of the triangles before each, of which one that has any counts for `least` at least.
+std::vector<double> areas_before(const Faces& faces, const PointCloud& cloud, double least) {
+  std::vector<double> before(faces.triangles.size() + 1, 0);
+  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
+    const double area = area_of(cloud, faces.triangles[t]);
+    before[t + 1] = before[t] + (area > 0 ? std::max(area, least) : 0);
+  }
+  return before;
 }
 
 /// How many samples; 0 where the vertices are as dense as those would be.
@@ -404,13 +421,20 @@ void sample_faces(Faces faces, ReadResult& result, Progress& progress) {
   if (faces.bad > 0)
     report.notes.push_back(counted(faces.bad, "face") + (faces.bad == 1 ? " has" : " have") +
                            " a corner that is no vertex (" + faces.first_bad + "): left out");
-  std::vector<double> passed(faces.triangles.size() + 1, 0);
-  for (std::size_t t = 0; t < faces.triangles.size(); ++t)
-    passed[t + 1] = passed[t] + area_of(result.cloud, faces.triangles[t]);
+  std::vector<double> passed = areas_before(faces, result.cloud, 0);
   const double area = passed.back();
-  const std::uint64_t count = area > 0 && std::isfinite(area) ? wanted_samples(faces, result.cloud, area) : 0;
+  std::uint64_t count = area > 0 && std::isfinite(area) ? wanted_samples(faces, result.cloud, area) : 0;
   if (count == 0) return;
   progress.check();
+  // As fine as the faces are: depth pictures hold their subject in a hundredth of the area of what is behind.
+  if (2 * faces.triangles.size() <= most_samples) {
+    double step = area / double(count);
+    const auto samples = [&] { return passed.back() / step; };
+    for (passed = areas_before(faces, result.cloud, step); samples() > 1.01 * double(most_samples);
+         passed = areas_before(faces, result.cloud, step))
+      step = passed.back() / double(most_samples);  // half of them at most are of small faces
+    count = std::min(std::uint64_t(std::ceil(samples())), most_samples);
+  }
   const std::uint64_t faces_of_file = faces.count;
   const std::string without_colors = faces.without_colors;
   const std::vector<std::uint32_t> loose = loose_vertices(faces, result.cloud.size());

@@ -72,6 +72,55 @@ TEST(FacesTest, SliversAreFilledAlongTheirWholeLength) {
   EXPECT_LT(gap, 2 * 2.f / 720);  // two pixels
 }
 
+// A depth picture: what is near has small faces, and a hundredth of the area.
+TEST(FacesTest, SmallFacesHaveASampleEach) {
+  std::string text, faces;
+  const auto grid = [&](int side, double from, double size, double z) {
+    const int first = int(std::count(text.begin(), text.end(), 'v'));
+    for (int i = 0; i <= side; ++i)
+      for (int j = 0; j <= side; ++j)
+        text += "v " + std::to_string(from + size * i / side) + " " + std::to_string(from + size * j / side) +
+                " " + std::to_string(z) + "\n";
+    for (int i = 0; i < side; ++i)
+      for (int j = 0; j < side; ++j) {
+        const int at = first + i * (side + 1) + j + 1;
+        faces += "f " + std::to_string(at) + " " + std::to_string(at + side + 1) + " " +
+                 std::to_string(at + 1) + "\n";
+      }
+  };
+  grid(100, 0.4, 0.02, 0), grid(2, 0, 1, 1);
+  const PointCloud cloud = drawn_obj(text + faces).cloud;
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.positions[i].z > 0.5f) continue;
+    ++near;
+    EXPECT_LT(cloud.radii[i], 0.02f / 100 * 1.2f);  // of its faces' own spacing
+  }
+  EXPECT_NEAR(double(near), 10'000, 100);  // where all would be more than are drawn, but for one in a hundred
+}
+
+TEST(FacesTest, LabelsAreNotMixed) {
+  constexpr int side = 40;
+  std::string vertices, faces;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j)
+      vertices += std::to_string(i) + " " + std::to_string(j) + (i < 17 ? " 0 200 0 0\n" : " 0 0 0 200\n");
+  for (int i = 0; i + 1 < side; ++i)
+    for (int j = 0; j + 1 < side; ++j) {
+      const int at = i * side + j;
+      faces += "4 " + std::to_string(at) + " " + std::to_string(at + 1) + " " +
+               std::to_string(at + side + 1) + " " + std::to_string(at + side) + "\n";
+    }
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 1600\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1521\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  const PointCloud cloud = drawn(write_file("labels.ply", head + vertices + faces)).cloud;
+  ASSERT_GT(cloud.colors.size(), 10'000u);
+  for (const Rgba8& c : cloud.colors) EXPECT_EQ(c.r + c.b, 200);
+  for (const Rgba8& c : cloud.colors) EXPECT_TRUE(c.r == 0 || c.b == 0);
+}
+
 TEST(FacesTest, EveryFaceHasItsShareInFileOrder) {
   // Areas of 1, 100 and 1 hundredths.
   const PointCloud cloud = drawn_obj(
@@ -366,6 +415,65 @@ TEST(FacesTest, DamagedStlIsAnError) {
   test::expect_cuts_are_safe("a.stl", text, 4);
   test::expect_cuts_are_safe("a.stl", stl_bytes("", 4), 4);
   test::expect_changes_are_safe("a.stl", stl_bytes("", 4));
+}
+
+const std::string off_vertices = "0 0 0\n2 0 0 # right\n\n0 2 0\n0 0 2\n",
+                  off_faces = "3 0 2 1\n3 0 1 3\n 3 0 3 2\n3 1 2 3\n";
+
+TEST(FacesTest, OffInItsSpellings) {
+  for (const std::string header : {"OFF\n4 4 6\n", "# of a museum\n\nOFF # text\r\n4 4 0\r\n", "OFF4 4 0\n",
+                                   "OFF 4 4 6\n", "STOFF\n4 4\n"}) {
+    const std::filesystem::path file = write_file("a.off", header + off_vertices + off_faces);
+    const PointCloud vertices = io::read(file).cloud;
+    ASSERT_EQ(vertices.size(), 4u) << header;
+    EXPECT_EQ(vertices.positions.at(1), vec3(2, 0, 0));
+    EXPECT_EQ(vertices.provenance, Provenance::model);
+    EXPECT_TRUE(vertices.colors.empty());
+    EXPECT_TRUE(has_note(drawn(file), "4 faces sampled to"));
+    EXPECT_EQ(io::read_mesh(file).triangles.size(), 4u);
+  }
+}
+
+TEST(FacesTest, OffWithNormalsAndColours) {
+  const PointCloud cloud = io::read(write_file("a.off",
+                                               "CNOFF\n2 0 0\n1 2 3 0 0 1 255 0 0 255\n"
+                                               "4 5 6 0 1 0 0 0 255 255\n"))
+                               .cloud;
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.normals.at(1), vec3(0, 1, 0));
+  EXPECT_EQ(cloud.colors.at(0), (Rgba8{255, 0, 0, 255}));
+  EXPECT_EQ(cloud.provenance, Provenance::unknown);
+  // Colours that the first line does not tell, of 1.
+  const PointCloud said =
+      io::read(write_file("b.off", "OFF\n2 0 0\n0 0 0 1.0 0.0 0.0\n1 1 1 0.0 0.0 1.0\n")).cloud;
+  EXPECT_EQ(said.colors.at(1), (Rgba8{0, 0, 255, 255}));
+  const PointCloud faces =
+      drawn(write_file("c.off", "OFF\n4 2 0\n" + off_vertices + "3 0 1 2 255 0 0\n3 1 2 3 0.0 0.0 1.0 1.0\n"))
+          .cloud;
+  ASSERT_EQ(faces.colors.size(), faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const vec3 p = faces.positions[i];
+    if (p.z > 1e-4f) EXPECT_EQ(faces.colors[i], (Rgba8{0, 0, 255, 255}));
+  }
+  EXPECT_EQ(std::count(faces.colors.begin(), faces.colors.end(), Rgba8{255, 0, 0, 255}) > 0, true);
+}
+
+TEST(FacesTest, DamagedOffIsAnError) {
+  const auto why = [](const std::string& bytes) {
+    const std::optional<Error> error = test::error_of(write_file("a.off", bytes));
+    return error && error->code() == ErrorCode::bad_input ? std::string(error->what()) : std::string();
+  };
+  EXPECT_NE(why("OFF\n").find("line 1"), std::string::npos);
+  EXPECT_NE(why("OFF BINARY\n4 4 6\n").find("binary OFF"), std::string::npos);
+  EXPECT_NE(why("4OFF\n4 4 6\n").find("three coordinates"), std::string::npos);
+  EXPECT_NE(why("OFF\n4 four 6\n").find("line 2"), std::string::npos);
+  EXPECT_NE(why("OFF\n0 0 0\n").find("no vertices"), std::string::npos);
+  EXPECT_NE(why("OFF\n9 0 0\n" + off_vertices).find("expected 9 vertices"), std::string::npos);
+  EXPECT_NE(why("OFF\n4 0 0\n0 0 0\n1 1 1\n2 b 2\n3 3 3\n").find("line 5"), std::string::npos);
+  const std::string text = "OFF\n4 4 6\n" + off_vertices + off_faces;
+  EXPECT_TRUE(has_note(drawn(write_file("a.off", text.substr(0, text.size() - 8))), "expected 4"));
+  test::expect_cuts_are_safe("a.off", text, 4);
+  test::expect_changes_are_safe("a.off", text);
 }
 
 // A fan around the origin, whose triangles share no vertex, and rims that are equally far.
