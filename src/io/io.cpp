@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <sstream>
@@ -9,6 +10,7 @@
 
 #include "core/counted.h"
 #include "core/lower_case.h"
+#include "core/order.h"
 #include "io/atomic_writer.h"
 #include "io/excerpt.h"
 #include "io/faces.h"
@@ -55,6 +57,15 @@ const std::vector<Format>& table() {
        "STL, text and binary, facets and their corners",
        is_stl,
        read_stl,
+       nullptr,
+       nullptr,
+       nullptr,
+       true},
+      {"off",
+       {".off"},
+       "Geomview OFF, faces and vertices",
+       is_off,
+       read_off,
        nullptr,
        nullptr,
        nullptr,
@@ -207,6 +218,19 @@ void leave_out(ReadResult& result, const Predicate& is_nothing) {
   result.report.points_finite -= left_out, result.report.points_dropped += left_out;
 }
 
+/// Beside records that are nothing there are some that are next to nothing: within a fiftieth of the distance
+/// of all but a twentieth of the others, and few.
+float nearly_at(const std::vector<vec3>& positions, const vec3& nothing) {
+  constexpr double nearest = 0.05, as_near = 0.02, few = 0.02;
+  std::vector<float> distances;
+  for (const vec3& p : positions)
+    if (p != nothing) distances.push_back(glm::distance(p, nothing));
+  if (distances.empty()) return 0;
+  const auto limit = float(as_near * double(value_at_share(distances, nearest)));
+  const auto within = std::count_if(distances.begin(), distances.end(), [&](float d) { return d < limit; });
+  return double(within) < few * double(distances.size()) ? std::nextafter(limit, 0.0f) : 0;
+}
+
 /// Records that a driver writes where nothing came back, as 0 0 0: at a scanner at the origin any, elsewhere
 /// more than a few on exactly that place.
 void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool is_part) {
@@ -217,25 +241,58 @@ void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool i
   const vec3 zero(-cloud.origin);
   const auto zeros = std::size_t(std::count(cloud.positions.begin(), cloud.positions.end(), zero));
   if (zeros <= (has_scanner_at_origin ? 0 : few_in_one_place) || (zeros == cloud.size() && !is_part)) return;
-  leave_out(result, [&](const vec3& p) { return p == zero; });
+  const float nearly = nearly_at(cloud.positions, zero);
+  leave_out(result, [&](const vec3& p) { return glm::distance(p, zero) <= nearly; });
   const Bounds box = bounds(cloud);
   for (int k = 0; k < 3; ++k) {
-    if (report.bounds_min[k] == 0) report.bounds_min[k] = box.min[k];
-    if (report.bounds_max[k] == 0) report.bounds_max[k] = box.max[k];
+    if (report.bounds_min[k] == 0 || nearly > 0) report.bounds_min[k] = box.min[k];
+    if (report.bounds_max[k] == 0 || nearly > 0) report.bounds_max[k] = box.max[k];
   }
   report.notes.push_back(counted(zeros, "record") + (zeros == 1 ? " is" : " are") +
                          " 0 0 0, as scanners write where nothing returned: left out");
 }
 
-bool has_many_at_an_end(const std::vector<vec3>& sample, std::size_t most) {
+/// OpenSfM writes the axes of each camera among the points that it saw, from its place on: so many each of
+/// red, green and blue.
+void leave_out_camera_axes(ReadResult& result) {
+  constexpr std::array<Rgba8, 3> axes{Rgba8{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}};
+  constexpr std::size_t least = 5;
+  const PointCloud& cloud = result.cloud;
+  std::vector<std::uint32_t> pure, others;
+  for (std::uint32_t i = 0; i < cloud.colors.size(); ++i)
+    (std::find(axes.begin(), axes.end(), cloud.colors[i]) == axes.end() ? others : pure).push_back(i);
+  std::size_t each = 0;
+  while (each < pure.size() && cloud.colors[pure[each]] == axes[0]) ++each;
+  if (each < least || pure.size() % (3 * each) != 0 || others.empty()) return;
+  for (std::size_t k = 0; k < pure.size(); ++k) {
+    const std::size_t first = k - k % (3 * each);
+    const bool is_next = cloud.colors[pure[k]] == axes[k / each % 3] &&
+                         (k % each != 0 || cloud.positions[pure[k]] == cloud.positions[pure[first]]);
+    if (!is_next) return;
+  }
+  result.cloud = select(cloud, others);
+  result.report.points_finite -= pure.size(), result.report.points_dropped += pure.size();
+  const Bounds box = bounds(result.cloud);
+  result.report.bounds_min = box.min, result.report.bounds_max = box.max;
+  result.report.notes.push_back("the axes of " + counted(pure.size() / (3 * each), "camera") + ", " +
+                                counted(pure.size(), "point") + ", are left out");
+}
+
+bool is_before(const vec3& a, const vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+/// Whether more than so many share one place that has the least or the greatest coordinate along an axis.
+bool has_place_at_an_end(const std::vector<vec3>& sample, std::size_t most) {
   if (sample.empty()) return false;
   vec3 low = sample[0], high = sample[0];
   for (const vec3& p : sample) low = glm::min(low, p), high = glm::max(high, p);
-  std::array<std::size_t, 6> counts{};
+  std::vector<vec3> at_an_end;
   for (const vec3& p : sample)
-    for (int k = 0; k < 3; ++k)
-      counts[std::size_t(2 * k)] += p[k] == low[k], counts[std::size_t(2 * k + 1)] += p[k] == high[k];
-  return std::any_of(counts.begin(), counts.end(), [&](std::size_t count) { return count > most; });
+    if (glm::any(glm::equal(p, low)) || glm::any(glm::equal(p, high))) at_an_end.push_back(p);
+  if (at_an_end.size() <= most) return false;
+  std::sort(at_an_end.begin(), at_an_end.end(), is_before);
+  for (std::size_t i = most; i < at_an_end.size(); ++i)
+    if (at_an_end[i] == at_an_end[i - most]) return true;
+  return false;
 }
 
 /// Places that many records share exactly, and that are farther from the box of all others than that is long:
@@ -245,12 +302,12 @@ std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
   constexpr double many = 0.001;  // of all
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
   std::vector<vec3> sample;
+  sample.reserve(cloud.size() / stride + 1);
   for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.positions[i]);
   const std::size_t most = std::max<std::size_t>(few_in_one_place, std::size_t(many * double(sample.size())));
-  // What is beyond all others has the least or the greatest coordinate along an axis, more than a few times.
-  if (!has_many_at_an_end(sample, most)) return {};
-  std::sort(sample.begin(), sample.end(),
-            [](const vec3& a, const vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+  // Of places beyond all others one has the least or the greatest coordinate along an axis.
+  if (!has_place_at_an_end(sample, most)) return {};
+  std::sort(sample.begin(), sample.end(), is_before);
   std::vector<vec3> shared;
   constexpr float infinite = std::numeric_limits<float>::infinity();
   vec3 low(infinite), high(-infinite);  // of the others
@@ -281,6 +338,7 @@ double range_of_nothing(const PointCloud& cloud) {
   constexpr int sectors = 512;  // of 0.7 degrees
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
   std::vector<double> ranges;
+  ranges.reserve(cloud.size() / stride + 1);
   for (std::size_t i = 0; i < cloud.size(); i += stride) ranges.push_back(glm::length(cloud.world(i)));
   double most = ranges.empty() ? 0 : *std::max_element(ranges.begin(), ranges.end());
   const auto beyond = [&](double less) {
@@ -396,6 +454,7 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
     leave_out_nothing(result);
     if (!is_part) leave_out_clamped(result);  // of a part nobody knows how far the farthest is
   }
+  if (format.name == "ply" && !result.has_faces) leave_out_camera_axes(result);
   stand_as_pictures(file, format, result);
   if (is_part) return result;
   if (options.samples_faces) sample_faces(std::move(faces), result, progress);

@@ -112,7 +112,15 @@ bool use_names_of_axes(Names& names) {
         }
       return false;
     };
-    if (!use_one_of(words_of_axes[axis]) && axis == 2) return use_one_of(words_of_depth);
+    if (!use_one_of(words_of_axes[axis]) && axis == 2) {
+      if (use_one_of(words_of_depth)) return true;
+      for (std::size_t k = 0; k < cores.size(); ++k)  // seabed_depth
+        if (std::any_of(words_of_depth.begin(), words_of_depth.end(),
+                        [&](const std::string& word) { return cores[k].ends_with(" " + word); })) {
+          names[k] = own;
+          return true;
+        }
+    }
   }
   return false;
 }

@@ -139,6 +139,50 @@ TEST(Strangers, NothingReturnsFromTheScannerItself) {
   EXPECT_THAT(notes_of(read), HasSubstr("450 records"));
 }
 
+std::string ply_of(const std::string& lines) {
+  return "ply\nformat ascii 1.0\nelement vertex " +
+         std::to_string(std::count(lines.begin(), lines.end(), '\n')) +
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+         "property uchar blue\nend_header\n" +
+         lines;
+}
+
+TEST(Strangers, AxesOfCamerasAreNoPoints) {
+  std::string points = "5 5 5 255 0 0\n6 6 6 10 20 30\n7 7 7 40 50 60\n", axes;
+  for (const int camera : {0, 1})
+    for (const auto& [way, color] :
+         {std::pair(vec3(1, 0, 0), "255 0 0"), {vec3(0, 1, 0), "0 255 0"}, {vec3(0, 0, 1), "0 0 255"}})
+      for (int k = 0; k < 10; ++k) {
+        const vec3 p = vec3(float(camera), 2, 3) + 0.1f * float(k) * way;
+        axes +=
+            std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + " " + color + "\n";
+      }
+  const std::string seen = points.substr(points.find('\n') + 1);
+  const io::ReadResult read = io::read(write_file("axes.ply", ply_of(seen + axes)));
+  EXPECT_EQ(read.cloud.size(), 2u);
+  EXPECT_THAT(notes_of(read), HasSubstr("the axes of 2 cameras, 60 points, are left out"));
+  expect_box(read, {6, 6, 6}, {7, 7, 7}, 0);
+  // A red point more, or axes that meet nowhere, and nobody knows.
+  EXPECT_EQ(io::read(write_file("axes.ply", ply_of(points + axes))).cloud.size(), 63u);
+  EXPECT_EQ(
+      io::read(write_file("axes.ply", ply_of(seen + axes.substr(axes.find('\n') + 1) + "9 9 9 0 0 255\n")))
+          .cloud.size(),
+      62u);
+}
+
+TEST(Strangers, NextToNothingIsNothingToo) {
+  std::string lines;
+  for (int i = 0; i < 400; ++i) lines += std::to_string(0.001 * i) + " 0.2 0.5\n";
+  for (int i = 0; i < 5; ++i) lines += "0 0 0\n";
+  const std::string near = "0.001 0.002 0.003\n";
+  EXPECT_EQ(read_text(lines + near).cloud.size(), 400u);
+  // Where nothing else is nothing, or what is near is many, it stays.
+  EXPECT_EQ(read_text(lines.substr(0, lines.find("0 0 0")) + near).cloud.size(), 401u);
+  std::string many;
+  for (int i = 0; i < 40; ++i) many += "0.001 0.002 " + std::to_string(0.0001 * i) + "\n";
+  EXPECT_EQ(read_text(lines + many).cloud.size(), 440u);
+}
+
 /// A LAS file of point format 2 with these colours.
 std::filesystem::path colored_las(const std::string& name, const std::vector<std::array<int, 3>>& colors,
                                   int east = 0) {

@@ -179,6 +179,8 @@ TEST(TextTest, DepthsAreBelow) {
   EXPECT_EQ(soundings.cloud.world(0), dvec3(363643.5, 5800993.25, -6.5));
   EXPECT_EQ(soundings.cloud.world(1), dvec3(363644, 5800993, -0.5));
   EXPECT_NE(soundings.report.notes.back().find("depth"), std::string::npos);
+  EXPECT_EQ(read_text("X_m,Y_m,Seabed_Depth_m\n1,2,3\n4,5,6\n").cloud.positions.at(1), vec3(4, 5, -6));
+  EXPECT_TRUE(read_text("x,y,z,snow_depth\n1,2,3,4\n").cloud.scalar("snow_depth"));
   // Written as heights they are some; beside z a depth is a number of the points; who names columns is right.
   EXPECT_EQ(read_text("lon;lat;Tiefe\n1;2;-3\n").cloud.positions.at(0), vec3(1, 2, -3));
   const PointCloud cloud = read_text("x y z depth\n1 2 3 4\n").cloud;
