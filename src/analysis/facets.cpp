@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <vector>
+
+#include "core/order.h"
 
 namespace sfumato::analysis {
 namespace {
@@ -74,15 +77,19 @@ Facing Facets::facing(const dvec3& direction, const dvec3& other, double share) 
           glm::mix(a.ahead, b.ahead, share)};
 }
 
-double Facets::below(const dvec3& from, const dvec3& direction) const {
+Facets::Level Facets::level_about(const dvec3& from, const dvec3& direction) const {
   constexpr double little = 0.05;
-  int lower = 0, level = 0;
+  std::vector<double> lower, higher;  // by how much
   for (const Facet& facet : facets_) {
     if (!(std::abs(glm::dot(facet.normal, direction)) > straight)) continue;
-    ++level;
-    lower += glm::dot(facet.center - from, direction) < 0 ? 1 : -1;
+    const double depth = glm::dot(from - facet.center, direction);
+    (depth > 0 ? lower : higher).push_back(std::abs(depth));
   }
-  return level > 0 ? lower / std::max(double(level), little * double(facets_.size())) : 0;
+  const double level = double(lower.size() + higher.size()),
+               net = double(lower.size()) - double(higher.size());
+  if (level == 0) return {};
+  std::vector<double>& more = net > 0 ? lower : higher;
+  return {net / std::max(level, little * double(facets_.size())), value_at_share(more, 0.5)};
 }
 
 }  // namespace sfumato::analysis

@@ -25,9 +25,13 @@ class Facets {
   Facing facing(const dvec3& direction) const;
   /// Of one direction, and as a share of another.
   Facing facing(const dvec3& direction, const dvec3& other, double share) const;
-  /// Of what is level within 15 degrees, how much more lies below `from` than above: 1 all, -1 none; nearly 0
-  /// where little is level.
-  double below(const dvec3& from, const dvec3& direction) const;
+  /// Of what is level within 15 degrees.
+  struct Level {
+    double below = 0;    ///< how much more of it is lower than `from` than higher: 1 all, -1 none
+    double usually = 0;  ///< by how much, on the side with more
+  };
+  /// Nearly nothing where little is level.
+  Level level_about(const dvec3& from, const dvec3& direction) const;
 
  private:
   struct Facet {

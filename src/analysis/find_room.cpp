@@ -17,6 +17,7 @@ constexpr double points_each = 12, cells_high = 8;
 /// Ceilings are level to 6 degrees, and not thicker than a tenth of the open space below: what drift and
 /// beams leave, and no crowns.
 constexpr double level_slope = 0.105, thin = 0.1;
+constexpr double tilted = 0.707;  // cos 45 degrees: what is steeper is no ceiling
 /// The share of columns with points that lie below ceilings; of roofed ones that do, and of those below
 /// ceilings that have a floor as level; of the ways along the axes of the plan from there that end at walls,
 /// as below no table, bridge or crown; and of columns amid them in which something stands: empty rooms are
@@ -322,6 +323,16 @@ class Plan {
   std::vector<Column> columns_;
 };
 
+/// Whether most of a ceiling shows its upper side, by the file's normals: then it is the top of a body.
+bool faces_up(const Ceiling& ceiling, const PointCloud& cloud) {
+  std::size_t up = 0, all = 0;
+  for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
+    if (!ceiling.is_below(cloud.world(i))) continue;
+    ++all, up += glm::dot(dvec3(cloud.normals[i]), ceiling.up) > tilted;
+  }
+  return 2 * up > all;
+}
+
 }  // namespace
 
 std::optional<Room> find_room(const PointCloud& cloud) {
@@ -329,7 +340,8 @@ std::optional<Room> find_room(const PointCloud& cloud) {
   Plan plan(cloud);
   if (!plan.is_room()) return std::nullopt;
   plan.spread_ceilings();
-  return plan.room();
+  Room room = plan.room();
+  return faces_up(*room.ceiling, cloud) ? std::nullopt : std::optional(std::move(room));
 }
 
 }  // namespace sfumato::analysis

@@ -141,6 +141,7 @@ struct Sample {
   double downwards(int axis) const;
   double turned_about(const dvec3& lidar, int axis) const;
   double looked_down(const dvec3& lidar, int axis) const;
+  double beneath(const dvec3& lidar, const dvec3& up, double ground) const;
 
   /// Of the columns along an axis that hold anything, the shares that reach its ends and that reach both;
   /// `held` those of all columns of the box; `fullest` the share of its layers that one of them holds.
@@ -229,6 +230,7 @@ double Sample::downwards(int axis) const {
 double Sample::turned_about(const dvec3& lidar, int axis) const {
   constexpr double steepest = 0.707, too_steep = 0.866;  // sin 45, 60 degrees
   constexpr double level = 0.035, steep_enough = 0.17;   // sin 2, 10 degrees
+  constexpr double usual_enough = 0.087;                 // sin 5 degrees
   constexpr std::size_t sectors = 36;
   constexpr double least = 0.07;  // of what a sector holds in the mean
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -243,8 +245,11 @@ double Sample::turned_about(const dvec3& lidar, int axis) const {
   }
   const double fewest = least * double(points.size()) / double(sectors);
   if (!(*std::min_element(held.begin(), held.end()) > fewest)) return 0;
+  // A map about its origin is flat: of a lidar's returns half are steeper than what grazes.
+  const double usual = value_at_share(steepness, 0.5);
   const double steep = value_at_share(steepness, 0.995);  // not what a stray one says
-  return ramp(steep, level, steep_enough) * (1 - ramp(steep, steepest, too_steep));
+  return ramp(usual, level, usual_enough) * ramp(steep, level, steep_enough) *
+         (1 - ramp(steep, steepest, too_steep));
 }
 
 /// How surely a lidar that turned there saw more of one side of an axis: 1 below, -1 above, 0 alike. Those of
@@ -260,6 +265,18 @@ double Sample::looked_down(const dvec3& lidar, int axis) const {
                down = std::max(-value_at_share(sines, 0.005), 0.0);
   const double more = (down - up) / std::max({down, up, 1e-300});
   return std::copysign(ramp(std::abs(more), alike, unlike), more);
+}
+
+/// How surely that is no ground below a lidar, so far down: much of what lies lower than the lidar is as far
+/// again below it.
+double Sample::beneath(const dvec3& lidar, const dvec3& up, double ground) const {
+  constexpr double little = 0.02, much = 0.1;  // of 31 sweeps all have .001 at most, maps up to .1
+  double lower = 0, beneath = 0;
+  for (const dvec3& p : points) {
+    const double depth = glm::dot(lidar - p, up);
+    lower += depth > 0, beneath += depth > 2 * ground;
+  }
+  return ramp(beneath / std::max(lower, 1.0), little, much);
 }
 
 std::vector<std::uint32_t> Sample::columns_along(int axis, int across) const {
@@ -336,10 +353,11 @@ bool Sample::is_closed_along(int axis) const {
 }
 
 /// How much nearly all is land: thin along an axis, whatever pylons and trees stand on it, and not a figure
-/// that is closed all around.
+/// that is closed all around, unless it is as flat as a sheet.
 double Sample::lies(int axis) const {
   const double thin = most[axis] / std::max(std::min(size()[(axis + 1) % 3], size()[(axis + 2) % 3]), 1e-300);
-  return thin < 0.4 && is_closed_along(axis) ? 0 : 1 - ramp(thin, 0.15, 0.4);
+  constexpr double sheet = 0.05;
+  return thin > sheet && thin < 0.4 && is_closed_along(axis) ? 0 : 1 - ramp(thin, 0.15, 0.4);
 }
 
 /// How like its mirror image the box is across the middle of an axis: of the cells that hold anything in one
@@ -604,9 +622,13 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
     set(UpEvidence::faces_up, whole * surface.ahead);
     set(UpEvidence::reaches, whole * sample.ends_along(axis).fullest);
     set(UpEvidence::lidar, turned[std::size_t(axis)]);
-    const double down = (positive ? 1 : -1) * looked_down[std::size_t(axis)];
-    set(UpEvidence::ground, turned[std::size_t(axis)] *
-                                std::lerp(facets.below(lidar, way), down < 0 ? -1 : 1, std::abs(down) / 3));
+    if (turned[std::size_t(axis)] > 0) {
+      const double down = (positive ? 1 : -1) * looked_down[std::size_t(axis)];
+      const Facets::Level level = facets.level_about(lidar, way);
+      const double ground = std::lerp(level.below, down < 0 ? -1 : 1, std::abs(down) / 3);
+      set(UpEvidence::ground, turned[std::size_t(axis)] * ground *
+                                  (1 - sample.beneath(lidar, ground < 0 ? -way : way, level.usually)));
+    }
     set(UpEvidence::placed, whole * placed(box, up));
     double score = 0;
     for (std::size_t k = 0; k < std::size(weights); ++k) score += weights[k] * candidates.back().evidence[k];

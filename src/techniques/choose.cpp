@@ -9,9 +9,9 @@
 namespace sfumato {
 namespace {
 
-/// Fewer points than this have too few neighbours each for normals that mean something, and discs that meet
-/// would be 50 pixels wide in a picture that they fill.
-constexpr std::size_t few = 2000;
+/// Discs of fewer points than this that meet are 50 pixels wide in a picture that they fill, and of a surface
+/// alone; of fewer than the other none is one.
+constexpr std::size_t few = 2000, too_few = 250;
 /// Where this much is surface, and what is there has no fewer dimensions than one, `splats` lights and closes
 /// it and draws dots beside it, which readers preferred to points; between scan lines it draws planks
 /// (docs/measurements/dots.md).
@@ -28,11 +28,11 @@ std::size_t places_of(const std::vector<vec3>& in_order) {
 TechniqueChoice choose_technique(const PreparedCloud& prepared, const analysis::NeighborTree* tree,
                                  bool by_levels) {
   const std::size_t places = places_of(prepared.cloud.positions);
-  if (places < few) {
-    const bool all_apart = places == prepared.cloud.size();
-    return {"points", "only " + counted(places, all_apart ? "point" : "place"), 1, true};
-  }
+  const TechniqueChoice too_thin{
+      "points", "only " + counted(places, places == prepared.cloud.size() ? "point" : "place"), 1, true};
+  if (places < too_few) return too_thin;
   const auto [surface, dimension] = analysis::surface_share_of(prepared, tree);
+  if (places < few && surface < analysis::enough_surface) return too_thin;
   const std::string percent = std::to_string(int(std::lround(100 * surface))) + " %";
   // `surface` has no dots where there is none.
   const bool has_some = !by_levels && surface >= some_surface && dimension >= of_surfaces;

@@ -218,10 +218,32 @@ TEST(Choose, IsTheSameForAnyOrderAndScale) {
 
 }  // namespace
 
+// Few points of a closed surface are drawn as one, as long as their neighbours say so.
+TEST(Choose, FewPointsOfASurfaceAreOne) {
+  const auto ball = [](int count, float thick) {
+    std::mt19937 random(8);
+    std::normal_distribution<float> normal;
+    std::uniform_real_distribution<float> unit(0, 1);
+    PointCloud cloud;
+    for (int i = 0; i < count; ++i) {
+      const vec3 way = glm::normalize(vec3(normal(random), normal(random), normal(random)));
+      cloud.positions.push_back(way * (1 - thick * unit(random)));
+    }
+    return cloud;
+  };
+  EXPECT_EQ(choice_for(ball(1000, 0)).technique, "splats");
+  EXPECT_EQ(choice_for(ball(600, 0)).technique, "splats");
+  EXPECT_EQ(choice_for(ball(200, 0)).reason, "only 200 points");
+  EXPECT_EQ(choice_for(ball(1000, 1)).reason, "only 1000 points");
+}
+
 // Points that share their places are not said to be fewer than they are.
 TEST(Choose, FewPlacesAreNoFewPoints) {
   PointCloud cloud;
-  for (int k = 0; k < 4000; ++k) cloud.positions.push_back(vec3(k % 1000, k % 1000 % 7, 0));
+  for (int k = 0; k < 4000; ++k) {
+    const int at = k % 1000;
+    cloud.positions.push_back(vec3(at * 37 % 101, at * 53 % 97, at * 71 % 89));
+  }
   EXPECT_EQ(choice_for(cloud).reason, "only 1000 places");
   cloud.positions.resize(1000);
   EXPECT_EQ(choice_for(std::move(cloud)).reason, "only 1000 points");

@@ -42,6 +42,19 @@ TEST(FindRoom, TheCeilingIsLeftOutAndWhatIsBelowItIsNot) {
   EXPECT_TRUE(is_cut(all, {3, 2, 2.7}));
 }
 
+// Normals tell whether a ceiling was seen from below or is the lid of a closed body.
+TEST(FindRoom, ACeilingThatFacesUpIsNone) {
+  PointCloud room = closed_room({6.4f, 4.8f, 2.7f}, 0);
+  for (const vec3& p : room.positions) room.normals.push_back({0, 0, p.z > 2.6f ? -1 : 1});
+  EXPECT_TRUE(find_room(room));
+  for (std::size_t i = 0; i < room.size(); ++i)
+    if (i % 4 != 0) room.normals[i] = {0, 0, 1};
+  EXPECT_FALSE(find_room(room));
+  for (std::size_t i = 0; i < room.size(); ++i)
+    if (i % 3 != 0) room.normals[i] = vec3(0);  // of most nobody knows
+  EXPECT_TRUE(find_room(room));
+}
+
 /// Level and plumb rectangles with noise, as a map of SLAM has them.
 class Map {
  public:

@@ -819,6 +819,32 @@ TEST(Upright, ALidarThatLooksDownSaysWhatIsBelow) {
   EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
 }
 
+// What lies beyond a level cut above a lidar is no ground below one that hangs.
+TEST(Upright, AboveACutIsNoGround) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud cloud;
+  for (int i = 0; i < 20'000; ++i) {  // walls and trees above 2 m, dense where they are cut
+    const float angle = 6.2832f * unit(random), far = 5 + 40 * unit(random) * unit(random);
+    const float height = 2 + (i % 4 == 0 ? 0.02f * unit(random) : 8 * unit(random) * unit(random));
+    cloud.positions.push_back({far * std::cos(angle), far * std::sin(angle), height});
+  }
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+}
+
+// Two levels of a map about its origin are no ground, and thinner than a figure that lies.
+TEST(Upright, SlicesOfAMapLie) {
+  PointCloud cloud;
+  for (const float height : {0.05f, 0.5f})
+    for (int i = 0; i < 4000; ++i) {
+      const float along = 0.01f * float(i);
+      cloud.positions.push_back({-12 + std::min(along, 20.0f), along < 20 ? -8 : 8, height});
+      cloud.positions.push_back({along < 20 ? -12 : 8, -8 + 0.8f * std::min(along, 20.0f), height});
+      cloud.positions.push_back({3 * std::cos(along), 3 * std::sin(along), height});
+    }
+  EXPECT_EQ(guess_upright(cloud).up, UpAxis::pos_z);
+}
+
 // Of public OBJ files 51 have Y up and 5 Z, of PLY 27 and 22: what is doubtful in PLY is Y in OBJ.
 TEST(Upright, ObjKeepsItsConventionWherePlyDoesNot) {
   std::mt19937 random(47);
