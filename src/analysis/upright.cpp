@@ -1,5 +1,6 @@
 #include "analysis/upright.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -515,9 +516,29 @@ Sample::Stand Sample::stands(UpAxis way) const {
   return {share * (above - below) / (above + below + few), up};
 }
 
+/// The direction along which points are spread much farther than across it, as those of a statue or a tower
+/// are, within 45 degrees of `straight`; else 0.
+dvec3 length_of(const std::vector<const dvec3*>& points, const dvec3& straight) {
+  constexpr double much = 2.5, upright = 0.707;  // of standard deviations; cos 45 degrees
+  dvec3 mean(0);
+  for (const dvec3* p : points) mean += *p / double(points.size());
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const dvec3* p : points) {
+    const dvec3 d = *p - mean;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    squares += v * v.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares);
+  const Eigen::Vector3d longest = solver.eigenvectors().col(2);
+  const dvec3 along(longest[0], longest[1], longest[2]);
+  const double rise = glm::dot(along, straight);
+  if (!(solver.eigenvalues()[2] > much * much * solver.eigenvalues()[1])) return dvec3(0);
+  return std::abs(rise) > upright ? (rise > 0 ? along : -along) : dvec3(0);
+}
+
 /// The way up from what the columns along an axis end on, where a plane that a quarter of all points are
-/// near says the same, which knows nothing of ends. Otherwise 0. By cameras such planes err by 7 degrees,
-/// axes by 19 (docs/measurements/first_view.md).
+/// near says the same, which knows nothing of ends. Otherwise along the length of all, or 0. By cameras such
+/// planes err by 7 degrees, axes by 19 (docs/measurements/first_view.md).
 dvec3 Sample::ground(UpAxis up, const Stand& stand) const {
   constexpr double agree = 0.985, least = 0.25;  // cos 10 degrees
   constexpr std::size_t fewest = 500, sampled = 4'000;
@@ -530,7 +551,7 @@ dvec3 Sample::ground(UpAxis up, const Stand& stand) const {
   const Plane plane = plane_of(some, up_vector(up), on_plane * glm::length(size()));
   const bool is_certain =
       double(plane.near) >= least * double(some.size()) && glm::dot(plane.up, stand.up) > agree;
-  return is_certain ? stand.up : dvec3(0);
+  return is_certain ? stand.up : length_of(some, up_vector(up));
 }
 
 Stands stands_of(const Sample& sample, Progress& progress) {

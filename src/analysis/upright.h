@@ -60,8 +60,9 @@ struct UpCandidate {
 /// All six axes, the likeliest first; of clouds that are no survey. From a sample of at most 65,536 points.
 std::vector<UpCandidate> up_candidates(const PointCloud& cloud, Progress& progress = no_progress());
 
-/// Across the ground, of length 1 and at most 40 degrees from the axis, where that is certain; else 0. For
-/// clouds in the axes of a camera: where axes are plumb, tilted ground is a slope.
+/// Across the ground, of length 1 and at most 40 degrees from the axis, where that is certain; else along
+/// what is long, at most 45 degrees from it, as a statue; else 0. For clouds in the axes of a camera: where
+/// axes are plumb, tilted ground is a slope.
 dvec3 up_from_ground(const PointCloud& cloud, UpAxis up);
 
 /// The likeliest of the candidates, of which `cloud.up` is the convention of the file's format; LAS keeps

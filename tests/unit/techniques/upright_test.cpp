@@ -169,6 +169,27 @@ TEST(Upright, GroundTellsHoweverItIsTilted) {
   }
 }
 
+// A statue without its ground stands along its length; what lies or is as wide as high has none.
+TEST(Upright, AStatueInTheAxesOfACameraStandsUp) {
+  std::mt19937 random(6);
+  std::normal_distribution<double> normal;
+  for (const double tilt : {0.0, 20.0, 33.0, 80.0})
+    for (const double height : {0.55, 0.2}) {
+      const glm::dmat3 by(glm::rotate(dmat4(1), glm::radians(tilt), glm::normalize(dvec3(1, 0, 0.3))));
+      PointCloud cloud;
+      for (int i = 0; i < 8000; ++i) {
+        const double wide = i % 20 == 0 ? 0.6 : 0.15;  // and what stood around
+        cloud.positions.push_back(
+            vec3(by * dvec3(wide * normal(random), -height * normal(random), wide * normal(random))));
+      }
+      const dvec3 vertical = up_from_ground(cloud, UpAxis::neg_y);
+      if (tilt > 45 || height < 0.3)
+        EXPECT_EQ(vertical, dvec3(0)) << tilt << ", " << height;
+      else
+        EXPECT_GT(glm::dot(vertical, by * dvec3(0, -1, 0)), std::cos(glm::radians(5.0))) << tilt;
+    }
+}
+
 // The axes of COLMAP are those of its first camera, which looked down; those of a survey are plumb, and a
 // slope is one.
 TEST(Upright, GroundIsLevelOnlyInTheAxesOfACamera) {
