@@ -164,11 +164,12 @@ std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
   const float unit = prepared.spacing_unit();
   std::vector<vec2> dots(positions.size(), vec2(prepared.median_spacing / unit, 1));
   if (count == 0) return dots;
-  const auto [low, high] = box_along_the_curve(placed.places);
-  const std::vector<std::uint64_t> keys = curve_keys(placed.places, low, high);
+  const auto box = box_along_the_curve(placed.places);
+  const std::vector<std::uint64_t> keys = curve_keys(placed.places, box.first, box.second);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
     progress.check();
-    const auto own_keys = curve_keys(std::span(positions).subspan(range.begin(), range.size()), low, high);
+    const auto own_keys =
+        curve_keys(std::span(positions).subspan(range.begin(), range.size()), box.first, box.second);
     std::size_t at = 0;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       // The nearest of those that are near along the curve. Points follow it: mostly they are the same.

@@ -207,7 +207,8 @@ std::optional<ReadResult> excerpt_ply(const std::filesystem::path& path, std::si
   std::string body;
   std::size_t count = 0;
   if (header.ascii) {
-    if (header.elements.size() > 1) return std::nullopt;  // where the vertices end is not known
+    // Where the vertices end is not known, or where one does.
+    if (header.elements.size() > 1 || header.vertex_lines > 1) return std::nullopt;
     const auto lines =
         lines_of(file, header.data_begin, points, progress, [](std::string_view) { return true; });
     if (!lines) return std::nullopt;

@@ -154,6 +154,49 @@ void read_lines(const File& file, const PlyHeader& header, bool keep_places, Pro
             result);
 }
 
+/// Vertices that take several lines each, as the viewer of RealSense writes them: numbers wherever lines end.
+void read_numbers(const File& file, const PlyHeader& header, bool keep_places, Progress& progress,
+                  ReadResult& result) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  std::vector<Column> columns = vertex_columns(file, vertex);
+  const std::size_t width = columns.size();
+  for (std::size_t k = 0; k < width; ++k) {
+    columns[k].layout = StoredType::float64;
+    columns[k].offset = k * sizeof(double);
+    columns[k].stride = width * sizeof(double);
+  }
+  // A number and what parts it from the next take two bytes: memory is asked for after checking.
+  if (vertex.count > file.size() / (2 * width) + 1)
+    bad_input(file.path(), "header",
+              "the file has no room for " + count_of(vertex) + "; it is cut short, fetch it again");
+  CloudBuilder builder(columns, std::size_t(vertex.count), false, keep_places);
+  std::vector<CloudBuilder::Cursor> cursors = {builder.cursor(0, std::size_t(vertex.count))};
+  LineReader lines(file, header.data_begin, header.lines + 1);
+  std::string_view line;
+  const char *at = nullptr, *end = nullptr;
+  std::vector<double> row(width);
+  for (std::uint64_t i = 0; i < vertex.count; ++i) {
+    if (i % 65536 == 0) progress.check(), progress.update(double(i) / double(vertex.count), "reading");
+    for (std::size_t k = 0; k < width; ++k) {
+      while ((at = skip_blanks(at, end)) == end) {
+        if (!lines.next(line))
+          bad_input(file.path(), "line " + std::to_string(lines.line_number()),
+                    "the file ends after " + counted(i, "point") + ", expected " + count_of(vertex) +
+                        "; it is cut short, fetch it again");
+        at = line.data(), end = at + line.size();
+      }
+      try {
+        row[k] = next_number(at, end, vertex.properties[k].name);
+      } catch (const LineError& error) {
+        bad_input(file.path(), "line " + std::to_string(lines.line_number()),
+                  std::string(error.what()) + "; the file is damaged, fetch it again");
+      }
+    }
+    builder.decode(cursors[0], reinterpret_cast<const std::byte*>(row.data()), 0, 1, i);
+  }
+  builder.finish(cursors, result);
+}
+
 }  // namespace
 
 ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool keep_places,
@@ -164,7 +207,8 @@ ReadResult read_ply_vertices(const File& file, const PlyHeader& header, bool kee
   result.cloud.up_is_known = header.says_up;
   result.cloud.crs = result.report.crs = header.crs;
   if (header.ascii) {
-    read_lines(file, header, keep_places, progress, result);
+    const auto read = header.vertex_lines > 1 ? read_numbers : read_lines;
+    read(file, header, keep_places, progress, result);
     color_by_harmonics(result);
     return result;
   }

@@ -9,6 +9,7 @@
 
 #include "core/number_in.h"
 #include "io/format.h"
+#include "io/text_rows.h"
 
 namespace sfumato::io {
 namespace {
@@ -128,6 +129,28 @@ std::size_t PlyElement::record_size() const {
   return size;
 }
 
+namespace {
+
+/// By the first of them: so many lines hold a number for each property.
+std::size_t lines_of_vertex(const File& file, const PlyHeader& header) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  if (header.vertex != 0 || vertex.has_list()) return 1;
+  LineReader lines(file, header.data_begin, header.lines + 1);
+  std::size_t count = 0, numbers = 0;
+  for (std::string_view line; numbers < vertex.properties.size() && lines.next(line);) {
+    const std::size_t before = numbers;
+    const char *at = line.data(), *end = at + line.size();
+    while ((at = skip_blanks(at, end)) < end) {
+      ++numbers;
+      while (at < end && !is_blank(*at)) ++at;
+    }
+    count += numbers > before;
+  }
+  return numbers == vertex.properties.size() ? std::max<std::size_t>(count, 1) : 1;
+}
+
+}  // namespace
+
 PlyHeader read_ply_header(const File& file) {
   PlyHeader header;
   HeaderLines lines(file);
@@ -176,6 +199,7 @@ PlyHeader read_ply_header(const File& file) {
   if (vertex == header.elements.end())
     lines.fail("the header has no 'element vertex'; the file holds no points");
   header.vertex = std::size_t(vertex - header.elements.begin());
+  if (header.ascii) header.vertex_lines = lines_of_vertex(file, header);
   return header;
 }
 

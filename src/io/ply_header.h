@@ -32,6 +32,7 @@ struct PlyHeader {
   std::size_t vertex = 0;        ///< which element holds the points
   std::uint64_t data_begin = 0;  ///< byte behind end_header's line
   std::size_t lines = 0;         ///< lines of the header
+  std::size_t vertex_lines = 1;  ///< of ascii, which a vertex takes
   UpAxis up = UpAxis::pos_y;
   bool says_up = false;   ///< of the file itself
   bool names_up = false;  ///< by a comment of ours, of the file or of its kind

@@ -135,7 +135,7 @@ void read_ascii_faces(const File& file, const PlyHeader& header, std::size_t fac
   for (std::size_t i = 0; i < face; ++i)
     for (std::uint64_t k = 0; k < header.elements[i].count; ++k) {
       if (k % 65536 == 0) progress.check();
-      next();
+      for (std::size_t part = 0; part < (i == header.vertex ? header.vertex_lines : 1); ++part) next();
     }
   const PlyElement& element = header.elements[face];
   FaceRecords records(element, builder);

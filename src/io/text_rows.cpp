@@ -96,6 +96,22 @@ bool is_tiny(const char* at, const char* end) {
 
 }  // namespace
 
+namespace {
+
+/// What Windows wrote for numbers that are none, from its # on: 1.#QNAN0, -1.#IND00, 1.#INF. Null for others.
+const char* behind_no_number(const char* at, const char* end) {
+  const std::string_view text(at, std::size_t(end - at));
+  for (const std::string_view name : {"#QNAN", "#SNAN", "#IND", "#INF"})
+    if (text.starts_with(name)) {
+      at += name.size();
+      while (at < end && unsigned(*at - '0') < 10) ++at;
+      return at;
+    }
+  return nullptr;
+}
+
+}  // namespace
+
 const char* parse_number(const char* at, const char* end, double& value) {
   static constexpr double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                      1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -110,6 +126,11 @@ const char* parse_number(const char* at, const char* end, double& value) {
   int exponent = 0;
   if (at < end && *at == '.') {
     const char* fraction = ++at;
+    if (at < end && *at == '#')
+      if (const char* behind = behind_no_number(at, end)) {
+        value = std::nan("");  // no coordinate, as infinity is none
+        return behind;
+      }
     while (at < end && unsigned(*at - '0') < 10) mantissa = mantissa * 10 + unsigned(*at++ - '0');
     exponent = -int(std::min<std::ptrdiff_t>(at - fraction, 1000));
     digits += at - fraction;

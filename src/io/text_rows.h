@@ -54,7 +54,7 @@ inline const char* parse_plain_number(const char* at, const char* end, double& v
     if (count == 0 || count > 15) return nullptr;
     magnitude = double(std::int64_t(mantissa));
   }
-  if (at < end && (*at | 0x20) == 'e') return nullptr;
+  if (at < end && ((*at | 0x20) == 'e' || *at == '#')) return nullptr;
   value = is_negative ? -magnitude : magnitude;
   return at;
 }

@@ -151,7 +151,7 @@ void BinTable::add_weights(const Hits& hits, const BinOptions& options) {
   first_bin_.bind_image(2, GL_READ_WRITE);
   bind_image(3, counters_, GL_R32UI);
   auto set = [&](gl::Program& program) {
-    set_uniforms(program, options, view);
+    set_uniforms(program, options, hits.view);
     program.set("reach", unsigned(options.peak_bins));
   };
   gl::Program& small = small_program(weight_small_, variant(options), "techniques/denoise/weights.comp",
@@ -198,7 +198,7 @@ void BinTable::add_attributes(const Hits& hits, const BinOptions& options) {
   nearest_t.bind(binding::input);
   choice_.bind(binding::input + 1);
   auto set = [&](gl::Program& program) {
-    set_uniforms(program, options, view);
+    set_uniforms(program, options, hits.view);
     program.set("sum_stride", stride_);
   };
   gl::Defines list = defines(options);

@@ -46,6 +46,36 @@ TEST(PlyTest, FloatsThatStandFarApartAreSpokenOf) {
   EXPECT_TRUE(notes_of_field("float", 5421350, 1).empty()) << "whole metres are floats there";
 }
 
+// As RealSense's viewer writes vertices: colours on lines of their own.
+TEST(PlyTest, VerticesTakeSeveralLines) {
+  const std::string head =
+      header("ascii", "element vertex 3\n" + xyz +
+                          "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                          "element face 1\nproperty list uchar int vertex_indices\n");
+  const std::string vertices = "0 1 2 \n10 20 30 \n3 4 5 \n40 50 60 \n\n6 7 8.5\n70 80 90\n";
+  const std::filesystem::path file = write_file("lines.ply", head + vertices + "3 0 1 2\n");
+  const PointCloud cloud = io::read(file).cloud;
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(cloud.positions[2], vec3(6, 7, 8.5f));
+  EXPECT_EQ(cloud.colors[1], (Rgba8{40, 50, 60, 255}));
+  EXPECT_EQ(io::read_mesh(file).triangles.size(), 1u);
+  const auto why = [&](const std::string& body) {
+    const std::optional<Error> error = test::error_of(write_file("lines.ply", head + body));
+    return error ? std::string(error->what()) : "";
+  };
+  EXPECT_THAT(why("0 1 2\n10 20 30\n3 4 5\n"), HasSubstr("ends after 1 point, expected 3"));
+  EXPECT_THAT(why("0 1 2\n10 20 30\n3 four 5\n1 2 3\n4 5 6\n7 8 9\n"),
+              HasSubstr("'four', expected a number for y"));
+}
+
+TEST(PlyTest, NumbersThatWindowsWroteAreNone) {
+  const io::ReadResult read =
+      io::read(write_file("windows.ply", header("ascii", "element vertex 3\n" + xyz) +
+                                             "1.#QNAN0 -1.#IND00 1.#INF00\n1 2 3\n1.#QNAN 1 2\n"));
+  ASSERT_EQ(read.cloud.size(), 1u);
+  EXPECT_EQ(read.report.points_dropped, 2u);
+}
+
 // Trainers of splats store the points of COLMAP so: in the axes of a camera, with normals that are all zero.
 TEST(PlyTest, PointsWithColoursAndNoNormalButZerosHaveYDown) {
   const auto up_of = [](const std::string& comment, const std::string& normal, bool colored) {
