@@ -78,6 +78,7 @@ Corners text_corners(const File& file, Progress& progress) {
     }
   }
   if (!ends) fail("the file ends before its solid; it is cut short, fetch it again");
+  if (corners.size() % 3 != 0) fail("found facets of other than three corners");
   return corners;
 }
 

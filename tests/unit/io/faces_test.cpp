@@ -412,6 +412,7 @@ TEST(FacesTest, DamagedStlIsAnError) {
   EXPECT_NE(why("solid\nfacet\nvertex 1 2 a\n").find("line 3"), std::string::npos);
   EXPECT_NE(why(text.substr(0, text.rfind("endsolid"))).find("before its solid"), std::string::npos);
   EXPECT_NE(why("solid\nfacet\nvertex 1 2 3\nendloop\n").find("line 4"), std::string::npos);
+  EXPECT_NE(why("solid\nfacet\nvertex 1 2 3\nendsolid\n").find("three corners"), std::string::npos);
   test::expect_cuts_are_safe("a.stl", text, 4);
   test::expect_cuts_are_safe("a.stl", stl_bytes("", 4), 4);
   test::expect_changes_are_safe("a.stl", stl_bytes("", 4));
