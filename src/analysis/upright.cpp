@@ -647,8 +647,9 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
       const double down = (positive ? 1 : -1) * looked_down[std::size_t(axis)];
       const Facets::Level level = facets.level_about(lidar, way);
       const double ground = std::lerp(level.below, down < 0 ? -1 : 1, std::abs(down) / 3);
-      set(UpEvidence::ground, turned[std::size_t(axis)] * ground *
-                                  (1 - sample.beneath(lidar, ground < 0 ? -way : way, level.usually)));
+      const double beneath =
+          level.usually > 0 ? sample.beneath(lidar, ground < 0 ? -way : way, level.usually) : 0;
+      set(UpEvidence::ground, turned[std::size_t(axis)] * ground * (1 - beneath));
     }
     set(UpEvidence::placed, whole * placed(box, up));
     double score = 0;

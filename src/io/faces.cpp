@@ -16,10 +16,10 @@ namespace {
 constexpr double usual_lines = 720;
 /// Of the area, on faces that are wider than a pixel: so little is no hole.
 constexpr double seldom_wide = 0.01;
+/// Colours of so many vertices are labels where they are few; those of fewer may be corners of a gradient.
+constexpr std::size_t least_labelled = 1000;
 /// Radii as of points that are measured so densely: twice the side of a point's square over root pi
 /// (analysis/attributes.h).
-/// Colours of as many vertices would not be so few by chance; those of fewer may be corners of a gradient.
-constexpr std::size_t most_named = 1000;
 const double radius_of_step = 2 / std::sqrt(M_PI);
 
 /// A part of a triangle, by the shares that its corners have of those of the triangle.
@@ -130,7 +130,7 @@ class Samples {
       : faces_(std::move(faces)),
         cloud_(cloud),
         has_random_normals_(has_random_normals(faces_, cloud)),
-        has_labels_(cloud.size() >= most_named && !are_of_photographs(cloud.colors)),
+        has_labels_(cloud.size() >= least_labelled && !are_of_photographs(cloud.colors)),
         passed_(std::move(passed)),
         count_(count),
         step_(passed_.back() / double(count)) {

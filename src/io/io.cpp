@@ -233,7 +233,8 @@ float nearly_at(const std::vector<vec3>& positions, const vec3& nothing) {
 
 /// Records that a driver writes where nothing came back, as 0 0 0: at a scanner at the origin any, elsewhere
 /// more than a few on exactly that place.
-void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool is_part) {
+/// `in_parts`: of a format that is read in parts, each of which would find another distance.
+void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool is_part, bool in_parts) {
   PointCloud& cloud = result.cloud;
   ReadReport& report = result.report;
   for (int k = 0; k < 3; ++k)
@@ -241,7 +242,7 @@ void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool i
   const vec3 zero(-cloud.origin);
   const auto zeros = std::size_t(std::count(cloud.positions.begin(), cloud.positions.end(), zero));
   if (zeros <= (has_scanner_at_origin ? 0 : few_in_one_place) || (zeros == cloud.size() && !is_part)) return;
-  const float nearly = nearly_at(cloud.positions, zero);
+  const float nearly = in_parts ? 0 : nearly_at(cloud.positions, zero);
   leave_out(result, [&](const vec3& p) { return glm::distance(p, zero) <= nearly; });
   const Bounds box = bounds(cloud);
   for (int k = 0; k < 3; ++k) {
@@ -450,7 +451,7 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   // E57 knows its scanners itself; the vertices of meshes and of the others are no returns.
   if (!result.has_faces && result.cloud.provenance == Provenance::unknown && format.name != "e57" &&
       format.name != "vtk" && format.name != "vtp" && format.name != "grid") {
-    leave_out_no_returns(result, format.name == "kitti", is_part);
+    leave_out_no_returns(result, format.name == "kitti", is_part, format.read_part != nullptr);
     leave_out_nothing(result);
     if (!is_part) leave_out_clamped(result);  // of a part nobody knows how far the farthest is
   }
