@@ -144,6 +144,14 @@ void use_usual_names(std::vector<Column>& columns) {
   }
 }
 
+void lay_out_as_doubles(std::vector<Column>& columns) {
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    columns[k].layout = StoredType::float64;
+    columns[k].offset = k * sizeof(double);
+    columns[k].stride = columns.size() * sizeof(double);
+  }
+}
+
 dvec3 choose_origin(const dvec3& min, const dvec3& max, bool as_float) {
   const double widest = std::max({max.x - min.x, max.y - min.y, max.z - min.z});
   dvec3 origin(0);

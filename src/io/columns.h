@@ -43,6 +43,9 @@ bool assign_roles(std::vector<Column>& columns);
 /// stays the only one.
 void use_usual_names(std::vector<Column>& columns);
 
+/// Lays them out side by side as doubles, as in rows that were parsed.
+void lay_out_as_doubles(std::vector<Column>& columns);
+
 /// Minimum, maximum and sum over finite values: of coordinates over kept points, of attributes over all
 /// records.
 struct Stats {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/coloring.h"
 #include "core/counted.h"
@@ -181,14 +182,12 @@ class Samples {
       whole.shares[k] = dvec3(k == 0, k == 1, k == 2);
       whole.at[k] = dvec3(cloud_.positions[corners[k]]);
     }
-    // Two triangles that are smaller than a step are a square of half their longest edge squared.
-    const double edge = longest_edge(cloud_, corners);
-    const auto radius = float(radius_of_step * std::sqrt(std::min(step_, 0.5 * edge * edge)));
     bool is_known = false;
     std::array<vec3, 3> normals;
+    float radius = 0;
     sample_piece(whole, before, area, 0, [&](std::uint64_t k, const dvec3& shares) {
       if (k >= count_) return;
-      if (!is_known) normals = corner_normals(t), is_known = true;
+      if (!is_known) normals = corner_normals(t), radius = radius_in(corners), is_known = true;
       const std::size_t i = std::size_t(k);
       out.radii[i] = radius;
       out.positions[i] = vec3(whole.at[0] * shares.x + whole.at[1] * shares.y + whole.at[2] * shares.z);
@@ -201,6 +200,12 @@ class Samples {
       for (std::size_t f = 0; f < out.scalars.size(); ++f)
         out.scalars[f].values[i] = value(cloud_.scalars[f], corners, share, nearest);
     });
+  }
+
+  /// Two triangles that are smaller than a step are a square of half their longest edge squared.
+  float radius_in(const Triangle& corners) const {
+    const double edge = longest_edge(cloud_, corners);
+    return float(radius_of_step * std::sqrt(std::min(step_, 0.5 * edge * edge)));
   }
 
   std::array<vec3, 3> corner_normals(std::size_t t) const {
@@ -321,13 +326,11 @@ std::vector<std::uint32_t> loose_vertices(const Faces& faces, std::size_t vertic
   return loose;
 }
 
-/// The area of the triangles before each, of which one that has any counts for `least` at least.
-std::vector<double> areas_before(const Faces& faces, const PointCloud& cloud, double least) {
-  std::vector<double> before(faces.triangles.size() + 1, 0);
-  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
-    const double area = area_of(cloud, faces.triangles[t]);
-    before[t + 1] = before[t] + (area > 0 ? std::max(area, least) : 0);
-  }
+/// The sum of the areas before each, of which one that is not 0 counts for `least` at least.
+std::vector<double> sums_before(const std::vector<double>& areas, double least) {
+  std::vector<double> before{0};
+  before.reserve(areas.size() + 1);
+  for (const double area : areas) before.push_back(before.back() + (area > 0 ? std::max(area, least) : 0));
   return before;
 }
 
@@ -349,6 +352,11 @@ std::uint64_t wanted_samples(const Faces& faces, const PointCloud& cloud, double
 
 FaceBuilder::FaceBuilder(const PointCloud& cloud, std::vector<std::int64_t> vertex_of)
     : cloud_(cloud), vertex_of_(std::move(vertex_of)) {}
+
+void FaceBuilder::forget_one_color() {
+  std::vector<Rgba8>& colors = faces.colors;
+  if (std::adjacent_find(colors.begin(), colors.end(), std::not_equal_to<>()) == colors.end()) colors.clear();
+}
 
 std::size_t FaceBuilder::start_of(const std::vector<std::int64_t>& vertices) const {
   constexpr std::size_t most_corners = 64;  // each start looks at every corner
@@ -421,7 +429,9 @@ void sample_faces(Faces faces, ReadResult& result, Progress& progress) {
   if (faces.bad > 0)
     report.notes.push_back(counted(faces.bad, "face") + (faces.bad == 1 ? " has" : " have") +
                            " a corner that is no vertex (" + faces.first_bad + "): left out");
-  std::vector<double> passed = areas_before(faces, result.cloud, 0);
+  std::vector<double> areas;
+  for (const Triangle& triangle : faces.triangles) areas.push_back(area_of(result.cloud, triangle));
+  std::vector<double> passed = sums_before(areas, 0);
   const double area = passed.back();
   std::uint64_t count = area > 0 && std::isfinite(area) ? wanted_samples(faces, result.cloud, area) : 0;
   if (count == 0) return;
@@ -430,8 +440,8 @@ void sample_faces(Faces faces, ReadResult& result, Progress& progress) {
   if (2 * faces.triangles.size() <= most_samples) {
     double step = area / double(count);
     const auto samples = [&] { return passed.back() / step; };
-    for (passed = areas_before(faces, result.cloud, step); samples() > 1.01 * double(most_samples);
-         passed = areas_before(faces, result.cloud, step))
+    for (passed = sums_before(areas, step); samples() > 1.01 * double(most_samples);
+         passed = sums_before(areas, step))
       step = passed.back() / double(most_samples);  // half of them at most are of small faces
     count = std::min(std::uint64_t(std::ceil(samples())), most_samples);
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,12 @@ class FaceBuilder {
     ++faces.count;
     if (!add_fan(polygon) && faces.bad++ == 0) faces.first_bad = place();
   }
+  /// Of the polygon that was added last.
+  void set_color(const std::optional<Rgba8>& color) {
+    if (color || !faces.colors.empty()) faces.colors.resize(faces.triangles.size(), color.value_or(no_color));
+  }
+  /// One colour of all tells nothing.
+  void forget_one_color();
   std::size_t vertices() const { return vertex_of_.size(); }
 
   Faces faces;

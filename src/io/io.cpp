@@ -207,15 +207,21 @@ const Format& find_format(const std::filesystem::path& file) {
 /// So many records in one place are no chance.
 constexpr std::size_t few_in_one_place = 3;
 
+void keep(ReadResult& result, const std::vector<std::uint32_t>& kept) {
+  ReadReport& report = result.report;
+  const std::uint64_t left_out = result.cloud.size() - kept.size();
+  result.cloud = select(result.cloud, kept);
+  report.points_finite -= left_out, report.points_dropped += left_out;
+  const Bounds box = bounds(result.cloud);
+  report.bounds_min = box.min, report.bounds_max = box.max;
+}
+
 template <class Predicate>
 void leave_out(ReadResult& result, const Predicate& is_nothing) {
-  PointCloud& cloud = result.cloud;
   std::vector<std::uint32_t> kept;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (!is_nothing(cloud.positions[i])) kept.push_back(std::uint32_t(i));
-  const std::uint64_t left_out = cloud.size() - kept.size();
-  cloud = select(cloud, kept);
-  result.report.points_finite -= left_out, result.report.points_dropped += left_out;
+  for (std::size_t i = 0; i < result.cloud.size(); ++i)
+    if (!is_nothing(result.cloud.positions[i])) kept.push_back(std::uint32_t(i));
+  keep(result, kept);
 }
 
 /// Beside records that are nothing there are some that are next to nothing: within a fiftieth of the distance
@@ -228,26 +234,26 @@ float nearly_at(const std::vector<vec3>& positions, const vec3& nothing) {
   if (distances.empty()) return 0;
   const auto limit = float(as_near * double(value_at_share(distances, nearest)));
   const auto within = std::count_if(distances.begin(), distances.end(), [&](float d) { return d < limit; });
-  return double(within) < few * double(distances.size()) ? std::nextafter(limit, 0.0f) : 0;
+  return within > 0 && double(within) < few * double(distances.size()) ? std::nextafter(limit, 0.0f) : 0;
 }
 
 /// Records that a driver writes where nothing came back, as 0 0 0: at a scanner at the origin any, elsewhere
 /// more than a few on exactly that place.
-/// `in_parts`: of a format that is read in parts, each of which would find another distance.
-void leave_out_no_returns(ReadResult& result, bool has_scanner_at_origin, bool is_part, bool in_parts) {
+void leave_out_no_returns(ReadResult& result, const Format& format, bool is_part) {
   PointCloud& cloud = result.cloud;
   ReadReport& report = result.report;
   for (int k = 0; k < 3; ++k)
     if (report.bounds_min[k] > 0 || report.bounds_max[k] < 0) return;
   const vec3 zero(-cloud.origin);
   const auto zeros = std::size_t(std::count(cloud.positions.begin(), cloud.positions.end(), zero));
-  if (zeros <= (has_scanner_at_origin ? 0 : few_in_one_place) || (zeros == cloud.size() && !is_part)) return;
-  const float nearly = in_parts ? 0 : nearly_at(cloud.positions, zero);
+  if (zeros <= (format.name == "kitti" ? 0 : few_in_one_place) || (zeros == cloud.size() && !is_part)) return;
+  // Each part of a file would find another distance.
+  const float nearly = format.read_part ? 0 : nearly_at(cloud.positions, zero);
+  const dvec3 low = report.bounds_min, high = report.bounds_max;  // as the file has them
   leave_out(result, [&](const vec3& p) { return glm::distance(p, zero) <= nearly; });
-  const Bounds box = bounds(cloud);
   for (int k = 0; k < 3; ++k) {
-    if (report.bounds_min[k] == 0 || nearly > 0) report.bounds_min[k] = box.min[k];
-    if (report.bounds_max[k] == 0 || nearly > 0) report.bounds_max[k] = box.max[k];
+    if (low[k] != 0 && nearly == 0) report.bounds_min[k] = low[k];
+    if (high[k] != 0 && nearly == 0) report.bounds_max[k] = high[k];
   }
   report.notes.push_back(counted(zeros, "record") + (zeros == 1 ? " is" : " are") +
                          " 0 0 0, as scanners write where nothing returned: left out");
@@ -271,10 +277,7 @@ void leave_out_camera_axes(ReadResult& result) {
                          (k % each != 0 || cloud.positions[pure[k]] == cloud.positions[pure[first]]);
     if (!is_next) return;
   }
-  result.cloud = select(cloud, others);
-  result.report.points_finite -= pure.size(), result.report.points_dropped += pure.size();
-  const Bounds box = bounds(result.cloud);
-  result.report.bounds_min = box.min, result.report.bounds_max = box.max;
+  keep(result, others);
   result.report.notes.push_back("the axes of " + counted(pure.size() / (3 * each), "camera") + ", " +
                                 counted(pure.size(), "point") + ", are left out");
 }
@@ -388,8 +391,6 @@ void leave_out_clamped(ReadResult& result) {
   const std::size_t before = result.cloud.size();
   const dvec3 origin = result.cloud.origin;
   leave_out(result, [&](const vec3& p) { return glm::length(dvec3(p) + origin) > range; });
-  const Bounds box = bounds(result.cloud);
-  result.report.bounds_min = box.min, result.report.bounds_max = box.max;
   result.report.notes.push_back(counted(before - result.cloud.size(), "record") +
                                 " as far from 0 0 0 as the farthest, as where nothing returned: left out");
 }
@@ -400,8 +401,6 @@ void leave_out_nothing(ReadResult& result) {
   const std::size_t before = result.cloud.size();
   leave_out(result,
             [&](const vec3& p) { return std::find(places.begin(), places.end(), p) != places.end(); });
-  const Bounds box = bounds(result.cloud);
-  result.report.bounds_min = box.min, result.report.bounds_max = box.max;
   result.report.notes.push_back(counted(before - result.cloud.size(), "record") + " in " +
                                 counted(places.size(), "place") +
                                 " far from all others, where nothing returned: left out");
@@ -451,7 +450,7 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   // E57 knows its scanners itself; the vertices of meshes and of the others are no returns.
   if (!result.has_faces && result.cloud.provenance == Provenance::unknown && format.name != "e57" &&
       format.name != "vtk" && format.name != "vtp" && format.name != "grid") {
-    leave_out_no_returns(result, format.name == "kitti", is_part, format.read_part != nullptr);
+    leave_out_no_returns(result, format, is_part);
     leave_out_nothing(result);
     if (!is_part) leave_out_clamped(result);  // of a part nobody knows how far the farthest is
   }

@@ -2,7 +2,6 @@
 // them. Everything else is passed over.
 #include <algorithm>
 #include <charconv>
-#include <functional>
 #include <map>
 
 #include "io/faces.h"
@@ -17,16 +16,6 @@ constexpr std::size_t width_with_color = 6;
 
 bool is_vertex(std::string_view line) {
   return line.size() >= 2 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t');
-}
-
-std::size_t count_words(std::string_view line) {
-  std::size_t count = 0;
-  const char *at = line.data(), *end = at + line.size();
-  while ((at = skip_blanks(at, end)) < end) {
-    ++count;
-    while (at < end && !is_blank(*at)) ++at;
-  }
-  return count;
 }
 
 class VertexLines final : public LineGrammar {
@@ -101,12 +90,8 @@ class FaceLines {
                   std::string(error.what()) + "; the file is damaged, export it again");
       }
     }
-    Faces& faces = builder_.faces;
-    // One colour tells nothing.
-    if (std::adjacent_find(faces.colors.begin(), faces.colors.end(), std::not_equal_to<>()) ==
-        faces.colors.end())
-      faces.colors.clear();
-    return std::move(faces);
+    builder_.forget_one_color();
+    return std::move(builder_.faces);
   }
 
  private:
@@ -155,7 +140,7 @@ class FaceLines {
       faces.texture_no.resize(std::min(faces.texture_no.size(), triangles));
       faces.texture_no.resize(triangles, texture_);
     }
-    if (color_ || !faces.colors.empty()) faces.colors.resize(triangles, color_.value_or(no_color));
+    builder_.set_color(color_);
   }
 
   void take_library(std::string_view name) {

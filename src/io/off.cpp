@@ -2,7 +2,6 @@
 // and texture coordinates (ST, passed over) of vertices, and colours of faces.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <optional>
 
 #include "core/counted.h"
@@ -41,7 +40,7 @@ std::optional<std::string_view> off_kind(std::string_view line) {
 }
 
 struct OffHeader {
-  std::uint64_t rows = 0;  ///< lines that are no vertices
+  std::uint64_t rows = 0;  ///< before the vertices
   std::uint64_t vertices = 0, faces = 0;
   bool has_normals = false, has_colors = false;
   std::size_t width = 0;  ///< numbers of the first vertex
@@ -111,7 +110,9 @@ std::optional<Rgba8> face_color(std::string_view text) {
   const std::vector<double> numbers = numbers_in(text);
   if (numbers.size() < 3) return std::nullopt;
   const double scale = text.find('.') == std::string_view::npos ? 1 : 255;
-  const auto byte = [&](double value) { return std::uint8_t(std::clamp(value * scale, 0.0, 255.0) + 0.5); };
+  const auto byte = [&](double value) {
+    return std::uint8_t(std::min(std::max(0.0, value * scale), 255.0) + 0.5);
+  };
   return Rgba8{byte(numbers[0]), byte(numbers[1]), byte(numbers[2]), 255};
 }
 
@@ -137,8 +138,7 @@ Faces read_off_faces(const File& file, const OffHeader& header, const ReadResult
       }
       const std::optional<Rgba8> color = face_color({at, std::size_t(end - at)});
       builder.add(polygon, [&] { return place; });
-      if (color || !faces.colors.empty())
-        faces.colors.resize(faces.triangles.size(), color.value_or(no_color));
+      builder.set_color(color);
     } catch (const LineError& error) {
       bad_input(file.path(), place, std::string(error.what()) + "; the file is damaged, export it again");
     }
@@ -147,10 +147,7 @@ Faces read_off_faces(const File& file, const OffHeader& header, const ReadResult
     bad_input(file.path(), "line " + std::to_string(lines.line_number()),
               "the file ends after " + counted(faces.count, "face") + ", expected " +
                   std::to_string(header.faces) + "; it is cut short, fetch it again");
-  // One colour tells nothing.
-  if (std::adjacent_find(faces.colors.begin(), faces.colors.end(), std::not_equal_to<>()) ==
-      faces.colors.end())
-    faces.colors.clear();
+  builder.forget_one_color();
   return std::move(faces);
 }
 
@@ -181,7 +178,7 @@ ReadResult read_off(const std::filesystem::path& path, const ReadOptions& option
   if (text.rows < header.rows + header.vertices)
     bad_input(path, "line " + std::to_string(text.lines),
               "the file ends after " + counted(text.rows - header.rows, "line") + ", expected " +
-                  std::to_string(header.vertices) + " vertices" + "; it is cut short, fetch it again");
+                  std::to_string(header.vertices) + " vertices; it is cut short, fetch it again");
   ReadResult result;
   if (header.faces > 0) result.cloud.provenance = Provenance::model;
   read_rows(file, text, header.rows, header.rows + header.vertices, grammar, std::move(columns),

@@ -87,11 +87,7 @@ void read_walked(const File& file, const PlyHeader& header, std::uint64_t begin,
               "the file has room for at most " + counted(room / least, "point") + ", expected " +
                   count_of(vertex) + "; it is cut short, fetch it again");
   const std::size_t width = columns.size();
-  for (std::size_t k = 0; k < width; ++k) {
-    columns[k].layout = StoredType::float64;
-    columns[k].offset = k * sizeof(double);
-    columns[k].stride = width * sizeof(double);
-  }
+  lay_out_as_doubles(columns);
   CloudBuilder builder(columns, std::size_t(vertex.count), false, keep_places);
   std::vector<CloudBuilder::Cursor> cursors = {builder.cursor(0, std::size_t(vertex.count))};
   PlyWalker walker(file, header.big_endian, begin);
@@ -160,11 +156,7 @@ void read_numbers(const File& file, const PlyHeader& header, bool keep_places, P
   const PlyElement& vertex = header.elements[header.vertex];
   std::vector<Column> columns = vertex_columns(file, vertex);
   const std::size_t width = columns.size();
-  for (std::size_t k = 0; k < width; ++k) {
-    columns[k].layout = StoredType::float64;
-    columns[k].offset = k * sizeof(double);
-    columns[k].stride = width * sizeof(double);
-  }
+  lay_out_as_doubles(columns);
   // A number and what parts it from the next take two bytes: memory is asked for after checking.
   if (vertex.count > file.size() / (2 * width) + 1)
     bad_input(file.path(), "header",

@@ -117,6 +117,19 @@ void parse_comment(std::istringstream& words, PlyHeader& header) {
   }
 }
 
+/// By the first of them: so many lines hold a number for each property.
+std::size_t lines_of_vertex(const File& file, const PlyHeader& header) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  if (header.vertex != 0 || vertex.has_list()) return 1;
+  LineReader lines(file, header.data_begin, header.lines + 1);
+  std::size_t count = 0, numbers = 0;
+  for (std::string_view line; numbers < vertex.properties.size() && lines.next(line);) {
+    const std::size_t words = count_words(line);
+    numbers += words, count += words > 0;
+  }
+  return numbers == vertex.properties.size() ? std::max<std::size_t>(count, 1) : 1;
+}
+
 }  // namespace
 
 bool PlyElement::has_list() const {
@@ -128,28 +141,6 @@ std::size_t PlyElement::record_size() const {
   for (const PlyProperty& property : properties) size += size_of(property.type);
   return size;
 }
-
-namespace {
-
-/// By the first of them: so many lines hold a number for each property.
-std::size_t lines_of_vertex(const File& file, const PlyHeader& header) {
-  const PlyElement& vertex = header.elements[header.vertex];
-  if (header.vertex != 0 || vertex.has_list()) return 1;
-  LineReader lines(file, header.data_begin, header.lines + 1);
-  std::size_t count = 0, numbers = 0;
-  for (std::string_view line; numbers < vertex.properties.size() && lines.next(line);) {
-    const std::size_t before = numbers;
-    const char *at = line.data(), *end = at + line.size();
-    while ((at = skip_blanks(at, end)) < end) {
-      ++numbers;
-      while (at < end && !is_blank(*at)) ++at;
-    }
-    count += numbers > before;
-  }
-  return numbers == vertex.properties.size() ? std::max<std::size_t>(count, 1) : 1;
-}
-
-}  // namespace
 
 PlyHeader read_ply_header(const File& file) {
   PlyHeader header;

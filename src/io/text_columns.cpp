@@ -104,23 +104,21 @@ bool use_names_of_axes(Names& names) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string own(1, "xyz"[axis]);
     if (std::find(low.begin(), low.end(), own) != low.end()) continue;
-    const auto use_one_of = [&](const Names& words) {
-      for (const std::string& word : words)
-        if (const auto found = std::find(cores.begin(), cores.end(), word); found != cores.end()) {
-          names[std::size_t(found - cores.begin())] = own;
-          return true;
-        }
-      return false;
+    const auto use_where = [&](const auto& is_meant) {
+      const auto found = std::find_if(cores.begin(), cores.end(), is_meant);
+      if (found != cores.end()) names[std::size_t(found - cores.begin())] = own;
+      return found != cores.end();
     };
-    if (!use_one_of(words_of_axes[axis]) && axis == 2) {
-      if (use_one_of(words_of_depth)) return true;
-      for (std::size_t k = 0; k < cores.size(); ++k)  // seabed_depth
-        if (std::any_of(words_of_depth.begin(), words_of_depth.end(),
-                        [&](const std::string& word) { return cores[k].ends_with(" " + word); })) {
-          names[k] = own;
-          return true;
-        }
-    }
+    const auto use_one_of = [&](const Names& words) {
+      return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+        return use_where([&](const std::string& core) { return core == word; });
+      });
+    };
+    if (use_one_of(words_of_axes[axis]) || axis < 2) continue;
+    return use_one_of(words_of_depth) || use_where([&](const std::string& core) {  // seabed depth
+             return std::any_of(words_of_depth.begin(), words_of_depth.end(),
+                                [&](const std::string& word) { return core.ends_with(" " + word); });
+           });
   }
   return false;
 }

@@ -94,10 +94,6 @@ bool is_tiny(const char* at, const char* end) {
   return written < -place;  // their sum may be more than fits
 }
 
-}  // namespace
-
-namespace {
-
 /// What Windows wrote for numbers that are none, from its # on: 1.#QNAN0, -1.#IND00, 1.#INF. Null for others.
 const char* behind_no_number(const char* at, const char* end) {
   const std::string_view text(at, std::size_t(end - at));
@@ -111,6 +107,16 @@ const char* behind_no_number(const char* at, const char* end) {
 }
 
 }  // namespace
+
+std::size_t count_words(std::string_view line) {
+  std::size_t count = 0;
+  const char *at = line.data(), *end = at + line.size();
+  while ((at = skip_blanks(at, end)) < end) {
+    ++count;
+    while (at < end && !is_blank(*at)) ++at;
+  }
+  return count;
+}
 
 const char* parse_number(const char* at, const char* end, double& value) {
   static constexpr double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
@@ -213,11 +219,7 @@ void read_rows(const File& file, const TextBlocks& text, std::uint64_t first, st
                const LineGrammar& grammar, std::vector<Column> columns, bool keep_places, Progress& progress,
                ReadResult& result) {
   const std::size_t width = columns.size();
-  for (std::size_t k = 0; k < width; ++k) {
-    columns[k].layout = StoredType::float64;
-    columns[k].offset = k * sizeof(double);
-    columns[k].stride = width * sizeof(double);
-  }
+  lay_out_as_doubles(columns);
   last = std::min(last, text.rows);
   first = std::min(first, last);
   // A number and what parts it from the next take two bytes: memory is asked for after checking.

@@ -31,6 +31,9 @@ inline const char* skip_blanks(const char* at, const char* end) {
   return at;
 }
 
+/// Parted by blanks.
+std::size_t count_words(std::string_view line);
+
 /// The usual spelling, -12.345 with at most 15 digits, without leaving the caller: the value that
 /// `parse_number` gives, or null for everything else. What stands behind the number is for the caller to see.
 inline const char* parse_plain_number(const char* at, const char* end, double& value) {
