@@ -185,6 +185,7 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
   view.is_beside = glm::any(glm::greaterThanEqual(low, glm::dvec2(0))) ||
                    glm::any(glm::lessThanEqual(high, glm::dvec2(0)));
   view.ahead = !view.is_beside && nearest_depth > near * value_at_share(depths, 0.5);
+  view.afar = nearest_depth > value_at_share(depths, 0.98) - nearest_depth;
   return view;
 }
 

@@ -15,6 +15,7 @@ struct SensorView {
   /// Something is to both sides of straight ahead, above and below it, and nothing at the eye: a camera is so
   /// before what it sees, no origin is below what stands on it.
   bool ahead = false;
+  bool afar = false;  ///< all of it is farther away than it is deep
   /// All is to one side of straight ahead: no picture of a whole scene, but perhaps a part of one.
   bool is_beside = false;
   double width = 0;  ///< of what appears at a distance of 1, or its height where that is more

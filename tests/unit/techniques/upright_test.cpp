@@ -126,6 +126,26 @@ PointCloud figure() {
   return cloud;
 }
 
+// What a depth camera saw of a figure, cut out, or several did, joined: without colours and the sides of an
+// image only the place tells.
+TEST(Upright, WhatIsAfarIsInTheAxesOfACamera) {
+  PointCloud cloud = figure();
+  for (vec3& p : cloud.positions) p = {p.x + 0.2f, 0.8f - p.y, p.z + 2.5f};
+  for (UpAxis custom : {UpAxis::pos_z, UpAxis::neg_y}) {
+    cloud.up = custom;
+    EXPECT_EQ(guess_upright(cloud).up, UpAxis::neg_y) << to_string(custom);
+  }
+  const auto camera_of = [](const PointCloud& seen) {
+    double most = 0;
+    for (const UpCandidate& each : up_candidates(seen))
+      most = std::max(most, each.evidence[std::size_t(UpEvidence::camera)]);
+    return most;
+  };
+  EXPECT_GT(camera_of(cloud), 0.4);
+  for (vec3& p : cloud.positions) p.z -= 2.3f;  // its back at the origin
+  EXPECT_LT(camera_of(cloud), 0.1);
+}
+
 TEST(Upright, AFigureIsFlatButStands) {
   EXPECT_EQ(guess_upright(figure()).up, UpAxis::pos_y);
   // Its front alone, as land along y would be: one sheet.
@@ -450,6 +470,7 @@ TEST(Upright, WhatOneCameraSawIsInItsAxes) {
   EXPECT_TRUE(is_camera_view(seen));
   turn(seen, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));  // as renderers have it
   EXPECT_EQ(guess_upright(seen).up, UpAxis::pos_y);
+  turn(whole, glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1));
   EXPECT_FALSE(is_camera_view(whole)) << "both of its sides were seen";
 }
 
@@ -473,7 +494,7 @@ TEST(Upright, WhatPhotographsSawIsInTheAxesOfTheFirst) {
   EXPECT_EQ(before.up, UpAxis::neg_y);
   EXPECT_EQ(before.reason, "guessed: a camera's view: all lies before the origin");
   EXPECT_EQ(guess_upright(placed({0.3f, -0.2f, -4}, true)).up, UpAxis::pos_y) << "as renderers look";
-  EXPECT_EQ(guess_upright(placed({0.3f, -0.2f, 4}, false)).up, UpAxis::pos_z) << "scanned";
+  EXPECT_EQ(guess_upright(placed({0.3f, -0.2f, -4}, false)).up, UpAxis::pos_z) << "scanned";
   EXPECT_EQ(guess_upright(placed({3, 0, 4}, true)).up, UpAxis::pos_z) << "beside where the camera looked";
   PointCloud pole = placed(vec3(0), true);  // on the origin, as wide as a man
   for (vec3& p : pole.positions) p = vec3(0.1f * p.x, 0.1f * p.y, 1 + p.z);
@@ -934,7 +955,7 @@ TEST(Upright, WhatLiesAsideIsSeldomAPicture) {
   };
   const double beside = as_seen();
   for (vec3& p : roof.positions) p -= vec3(0.45f, 0.6f, 0);
-  EXPECT_NEAR(as_seen(), 2.5 * beside, 0.1) << "all around where a camera would look";
+  EXPECT_NEAR(0.75 * as_seen(), beside, 0.1) << "all around where a camera would look";
 }
 
 // The front of a head, open behind: its normals point to the viewer, which is no way up.
