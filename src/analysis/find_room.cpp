@@ -23,6 +23,8 @@ constexpr double tilted = 0.707;  // cos 45 degrees: what is steeper is no ceili
 /// as below no table, bridge or crown; and of columns amid them in which something stands: empty rooms are
 /// closed boxes. Public scans: docs/measurements/first_view.md.
 constexpr double ceilings_least = 1.0 / 6, level_least = 0.7, walled_least = 0.5, furnished_least = 0.02;
+/// Of the shares of floors and of walls one may be this part of its least where the other makes up for it.
+constexpr double nearly = 0.85;
 /// What is cut away below a ceiling, of the height of the open space: lamps, not furniture.
 constexpr double margin = 0.1;
 /// An outer wall holds this share of the wall points at least, within this share of the room's width from its
@@ -108,10 +110,11 @@ class Plan {
           walls += is_in(a, b);
         }
       }
+    const double floor_share = double(floors) / (level_least * double(ceilings)),
+                 walled_share = double(walls) / (walled_least * 4 * double(ceilings));
     return double(ceilings) >= ceilings_least * double(occupied()) &&
-           double(ceilings) >= level_least * double(roofed) &&
-           double(floors) >= level_least * double(ceilings) &&
-           double(walls) >= walled_least * 4 * double(ceilings) && furnished > 0 &&
+           double(ceilings) >= level_least * double(roofed) && floor_share * walled_share >= 1 &&
+           std::min(floor_share, walled_share) >= nearly && furnished > 0 &&
            double(furnished) >= furnished_least * double(amid);
   }
 

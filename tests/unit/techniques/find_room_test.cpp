@@ -124,6 +124,23 @@ TEST(FindRoom, EachRoomOfAMapLosesItsOwnCeiling) {
     }
 }
 
+// A room whose two sides of glass a scanner did not see, and part of a third: its level floor makes up for
+// them.
+TEST(FindRoom, AFloorMakesUpForOpenSides) {
+  const auto room_of = [](double open) {
+    Map map;
+    map.room({0, 0, 0}, {10, 6, 2.6});
+    map.table(3, 2), map.table(6, 3.5);
+    std::erase_if(map.cloud.positions, [&](const vec3& p) {
+      const bool is_open = p.x > 9.8f || p.y > 5.8f || (p.x < 0.2f && double(p.y) < open);
+      return is_open && p.z > 0.2f && p.z < 2.4f;
+    });
+    return map.cloud;
+  };
+  EXPECT_TRUE(find_room(room_of(1)));
+  EXPECT_FALSE(find_room(room_of(6)));  // one wall of four
+}
+
 TEST(FindRoom, CeilingsGoOnWhereNothingWasMeasuredBelow) {
   Map map = three_rooms();  // of the hall no floor, but a ceiling, and a raised floor beside the lowest room
   std::erase_if(map.cloud.positions, [](const vec3& p) { return p.y > 9 && p.x > 5 && p.z < 2.5; });
