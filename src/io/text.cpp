@@ -69,7 +69,8 @@ struct Beginning {
   std::uint64_t begin = 0, first_line = 1;          ///< where the numbers begin
   std::uint64_t behind_first = 0, second_line = 1;  ///< where those behind the first of them do
   bool has_count = false;                           ///< a lone count came first (PTS)
-  bool has_quotes = false, has_decimal_commas = false, has_separating_commas = false, has_empty_tabs = false;
+  bool has_brackets = false, has_quotes = false, has_decimal_commas = false, has_separating_commas = false,
+       has_empty_tabs = false;
 };
 
 Beginning look_at_beginning(const File& file, const std::vector<std::string>& columns,
@@ -92,6 +93,7 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
     dialect.translate(translated);
     const std::vector<std::string_view> words = split(translated);
     if (words.empty()) continue;
+    found.has_brackets = found.has_brackets || has_brackets(line);
     found.has_quotes = found.has_quotes || line.find('"') != std::string_view::npos;
     const Words read = to_words(words, columns);
     const bool lone = read.are_numbers() && words.size() == 1 && !is_comment(line);
@@ -146,6 +148,7 @@ Beginning look_at_beginning(const File& file, const std::vector<std::string>& co
     dialect.decimal_commas =
         dialect.decimal_commas || (found.has_decimal_commas && !found.has_separating_commas);
     if (found.has_empty_tabs) dialect.cells = '\t';
+    if (dialect == before && found.rows.empty()) dialect.brackets = found.has_brackets;
     if (dialect == before && found.rows.empty() && columns.empty()) dialect.words = true;
     if (dialect == before && dialect.words && dialect.cells == 0) dialect.cells = cells_of_lines(found.lines);
     if (dialect != before) continue;

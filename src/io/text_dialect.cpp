@@ -6,6 +6,8 @@
 namespace sfumato::io {
 namespace {
 
+bool is_bracket(char c) { return std::string_view("()[]{}").find(c) != std::string_view::npos; }
+
 /// A word that is no number becomes one word without blanks and separators; `cell` is between separators.
 void join_words(std::string& line, std::size_t begin, std::size_t end) {
   while (begin < end && is_blank(line[begin])) ++begin;
@@ -35,6 +37,7 @@ void Dialect::translate(std::string& line) const {
     is_quoted = quotes && c == '"' ? !is_quoted : is_quoted;
     if (c == ',' && decimal_commas) c = '.';
     if (c == '"' && quotes && cells == 0) c = ' ';
+    if (brackets && is_bracket(c)) c = ' ';
     if (is_quoted && cells != 0 && (c == cells || c == ',')) c = '.';
   }
   if (cells == 0) return;
@@ -46,6 +49,16 @@ void Dialect::translate(std::string& line) const {
     if (end < line.size()) line[end] = ',';
     at = end + 1;
   }
+}
+
+bool has_brackets(std::string_view line) {
+  const char* end = line.data() + line.size();
+  const char *at = skip_blanks(line.data(), end), *const first = at;
+  while (end > at && (is_blank(end[-1]) || is_separator(end[-1]))) --end;
+  if (at == end || !is_bracket(*first) || !is_bracket(end[-1])) return false;
+  while (at < end && (is_bracket(*at) || is_blank(*at))) ++at;
+  double value = 0;
+  return parse_plain_number(at, end, value) != nullptr;
 }
 
 char cells_of_lines(const std::vector<std::string>& lines) {

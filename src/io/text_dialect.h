@@ -18,14 +18,18 @@ std::vector<std::string_view> split(std::string_view line);
 struct Dialect {
   bool decimal_commas = false;  ///< 1,5;2,5;3
   bool quotes = false;          ///< "1.5","2.5","3"
+  bool brackets = false;        ///< (1.5, 2.5, 3), as lists of Python are printed
   bool words = false;           ///< some columns hold words that are no numbers
   char cells = 0;               ///< the only separator: words may have blanks, and cells may be empty
   bool operator==(const Dialect&) const = default;
 
-  bool is_plain() const { return !decimal_commas && !quotes && cells == 0; }
+  bool is_plain() const { return !decimal_commas && !quotes && !brackets && cells == 0; }
   /// The line as we read it.
   void translate(std::string& line) const;
 };
+
+/// Whether a line of numbers is in brackets.
+bool has_brackets(std::string_view line);
 
 /// What commas are in a line of numbers.
 enum class Commas { none, decimal, separating };

@@ -245,13 +245,19 @@ std::vector<DialectFile> dialects() {
     const dvec3 p = ground(i, utm);
     ply += test::bytes_of(p.x, p.y, p.z, std::uint16_t(i * 69), std::uint16_t(2000), std::uint16_t(4095));
   }
+  std::string tuples;
+  for (int i = 0; i < 60; ++i) {
+    const dvec3 p = ground(i);
+    tuples += "(" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " + std::to_string(p.z) + ")\n";
+  }
+  add({"python_tuples.txt", tuples, ground(0), ground(59), 60});
   add({"twelve_bits.ply", ply, ground(0, utm), ground(59, utm), 60, Rgba8{0, 125, 255, 255}});
   return all;
 }
 
 TEST(Dialects, AllAreReadRight) {
   const std::vector<DialectFile> all = dialects();
-  EXPECT_EQ(all.size(), 20u);
+  EXPECT_EQ(all.size(), 21u);
   for (const DialectFile& file : all) {
     SCOPED_TRACE(file.name);
     std::optional<io::ReadResult> read;
