@@ -452,6 +452,7 @@ void CloudBuilder::finish(std::vector<Cursor>& cursors, ReadResult& result, cons
     report.normals_dropped += cursor.normals_dropped;
   }
   report.points_dropped = report.points - report.points_finite;
+  report.points += report.points_missing;
   close_gaps(cursors);
   if (report.points_finite > 0)
     for (int k = 0; k < 3; ++k) {

@@ -62,9 +62,11 @@ struct Runs {
   std::uint64_t begin(std::uint64_t k) const { return Subsample(total / length, count).place(k) * length; }
 };
 
-/// Records of `size` bytes from `begin` on: about `points` of `total`, as they lie in the file.
+/// Records of `size` bytes from `begin` on: about `points` of `total`, as they lie in the file; none where it is
+/// cut short.
 std::string records_of(const File& file, std::uint64_t begin, std::size_t size, std::uint64_t total,
                        std::size_t points, Progress& progress) {
+  if (begin > file.size() || (file.size() - begin) / size < total) return {};
   const std::uint64_t count = Runs::count_for(points);
   const Runs runs{count, std::max<std::uint64_t>(1, points / count), total};
   std::string bytes(std::size_t(runs.count * runs.length) * size, '\0');

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/file.h"
 #include "io/io.h"
 
 namespace sfumato::io {
@@ -46,6 +47,11 @@ inline constexpr std::uint64_t least_cut_points = 4 * sample_points;
 /// Error(bad_input) with the one line every reader owes its user: file, place, what is wrong, what to do.
 [[noreturn]] void bad_input(const std::filesystem::path& file, const std::string& place,
                             const std::string& what);
+
+/// Of the points that a header declares, those that the file holds where it ends early: what it lacks is damage
+/// (ReadReport). Error(bad_input) where it holds none.
+std::uint64_t held_points(const File& file, const std::string& place, std::uint64_t held,
+                          std::uint64_t declared, ReadReport& report);
 
 // Each of these is one file of this folder. Readers return file order and fill report.points... bounds and
 // attributes; `read` fills in file and format, and subsamples.

@@ -434,6 +434,17 @@ void bad_input(const std::filesystem::path& file, const std::string& place, cons
   throw Error(ErrorCode::bad_input, file.string() + ": " + place + ": " + line);
 }
 
+std::uint64_t held_points(const File& file, const std::string& place, std::uint64_t held,
+                          std::uint64_t declared, ReadReport& report) {
+  if (held >= declared) return declared;
+  const std::string found =
+      "the file ends after " + counted(held, "point") + ", expected " + std::to_string(declared);
+  if (held == 0) bad_input(file.path(), place, found + "; it is cut short, fetch it again");
+  report.damage.push_back(file.path().string() + ": " + place + ": " + found + "; fetch the rest");
+  report.points_missing += declared - held;
+  return held;
+}
+
 ReadResult read(const std::filesystem::path& file, const ReadOptions& options, Progress& progress) {
   const Format& format = find_format(file);
   Faces faces;
@@ -445,6 +456,8 @@ ReadResult read(const std::filesystem::path& file, const ReadOptions& options, P
   const bool is_part = part.has_value();
   wanted.part.reset();
   ReadResult result = is_part ? std::move(*part) : format.read(file, wanted, progress);
+  if (options.strict && !result.report.damage.empty())
+    throw Error(ErrorCode::bad_input, result.report.damage.front());
   result.report.file = file;
   if (result.report.format.empty()) result.report.format = format.name;
   // E57 knows its scanners itself; the vertices of meshes and of the others are no returns.

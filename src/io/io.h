@@ -86,8 +86,8 @@ struct ReadResult {
 
 /// Reads any supported file; the format is found by content first, extension second.
 /// Throws Error(bad_input) with file, byte or line, found, expected; Error(io) when it cannot be opened.
-/// Chunks of LAZ and nodes of COPC that are damaged are left out, and the report says so, unless
-/// `options.strict` or nothing else is left.
+/// Chunks of LAZ and nodes of COPC that are damaged are left out, as is what PLY and PCD lack where they
+/// end early, and the report says so, unless `options.strict` or nothing else is left.
 ReadResult read(const std::filesystem::path& file, const ReadOptions& options = {},
                 Progress& progress = no_progress());
 

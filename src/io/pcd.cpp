@@ -236,10 +236,8 @@ void need_positions(const File& file, std::vector<Column>& columns) {
   use_usual_names(columns);
 }
 
-[[noreturn]] void too_short(const File& file, const PcdHeader& header, std::uint64_t held) {
-  bad_input(file.path(), "byte " + std::to_string(file.size()),
-            "the file ends after " + counted(held, "point") + ", expected " + std::to_string(header.points) +
-                "; it is cut short, fetch it again");
+std::uint64_t held_points(const File& file, const PcdHeader& header, std::uint64_t held, ReadReport& report) {
+  return held_points(file, "byte " + std::to_string(file.size()), held, header.points, report);
 }
 
 void decode_in_parallel(CloudBuilder& builder, std::size_t count, Progress& progress, ReadResult& result,
@@ -265,10 +263,10 @@ void read_binary(const File& file, const PcdHeader& header, bool organised, Prog
   std::vector<Column> columns = binary_columns(header, 0);
   need_positions(file, columns);
   const std::size_t size = header.record_size();
-  const std::uint64_t held = (file.size() - header.data_begin) / size;
-  if (held < header.points) too_short(file, header, held);
-  CloudBuilder builder(std::move(columns), std::size_t(header.points), false, organised);
-  decode_in_parallel(builder, std::size_t(header.points), progress, result,
+  const auto held =
+      std::size_t(held_points(file, header, (file.size() - header.data_begin) / size, result.report));
+  CloudBuilder builder(std::move(columns), held, false, organised);
+  decode_in_parallel(builder, held, progress, result,
                      [&](CloudBuilder::Cursor& cursor, std::size_t first, std::size_t count) {
                        std::vector<std::byte> bytes(count * size);
                        file.read(header.data_begin + std::uint64_t(first) * size, bytes);
@@ -286,7 +284,7 @@ void read_compressed(const File& file, const PcdHeader& header, bool organised, 
     return builder.finish(none, result);
   }
   std::uint32_t sizes[2] = {0, 0};  // compressed, uncompressed
-  if (file.size() - header.data_begin < sizeof sizes) too_short(file, header, 0);
+  if (file.size() - header.data_begin < sizeof sizes) held_points(file, header, 0, result.report);
   file.read(header.data_begin, std::as_writable_bytes(std::span(sizes)));
   const std::uint64_t begin = header.data_begin + sizeof sizes, room = file.size() - begin;
   const std::size_t record = header.record_size();
@@ -323,8 +321,9 @@ void read_ascii(const File& file, const PcdHeader& header, bool organised, Progr
   need_positions(file, columns);
   const FieldLines grammar(header);
   const TextBlocks text = cut_lines(file, header.data_begin, header.lines + 1, grammar, progress);
-  if (text.rows < header.points) too_short(file, header, text.rows);
-  read_rows(file, text, 0, header.points, grammar, std::move(columns), organised, progress, result);
+  const std::uint64_t held = text.rows < header.points ? whole_lines(file, text.rows) : text.rows;
+  read_rows(file, text, 0, held_points(file, header, held, result.report), grammar, std::move(columns),
+            organised, progress, result);
 }
 
 }  // namespace

@@ -47,11 +47,8 @@ void read_records(const File& file, const PlyHeader& header, std::uint64_t begin
   std::vector<Column> columns = vertex_columns(file, vertex);
   const std::size_t size = vertex.record_size();
   const std::uint64_t room = file.size() - std::min(begin, file.size());
-  if (vertex.count > room / size)
-    bad_input(file.path(), "byte " + std::to_string(file.size()),
-              "the file ends after " + counted(room / size, "point") + ", expected " + count_of(vertex) +
-                  " of " + std::to_string(size) + " bytes; it is cut short, fetch it again");
-  const std::size_t count = std::size_t(vertex.count);
+  const auto count = std::size_t(
+      held_points(file, "byte " + std::to_string(file.size()), room / size, vertex.count, result.report));
   CloudBuilder builder(std::move(columns), count, header.big_endian, keep_places);
   const std::size_t threads = count < 20000 ? 1 : thread_count();
   std::vector<CloudBuilder::Cursor> cursors;
@@ -142,12 +139,10 @@ void read_lines(const File& file, const PlyHeader& header, bool keep_places, Pro
   std::uint64_t before = 0;
   for (std::size_t i = 0; i < header.vertex; ++i) before += std::min(header.elements[i].count, text.rows);
   const std::uint64_t left = text.rows - std::min(text.rows, before);
-  if (vertex.count > left)
-    bad_input(file.path(), "line " + std::to_string(text.lines),
-              "the file ends after " + counted(left, "point") + ", expected " + count_of(vertex) +
-                  "; it is cut short, fetch it again");
-  read_rows(file, text, before, before + vertex.count, grammar, std::move(columns), keep_places, progress,
-            result);
+  const std::uint64_t held =
+      held_points(file, "line " + std::to_string(text.lines),
+                  left < vertex.count ? whole_lines(file, left) : left, vertex.count, result.report);
+  read_rows(file, text, before, before + held, grammar, std::move(columns), keep_places, progress, result);
 }
 
 /// Vertices that take several lines each, as the viewer of RealSense writes them: numbers wherever lines end.
@@ -157,25 +152,29 @@ void read_numbers(const File& file, const PlyHeader& header, bool keep_places, P
   std::vector<Column> columns = vertex_columns(file, vertex);
   const std::size_t width = columns.size();
   lay_out_as_doubles(columns);
-  // A number and what parts it from the next take two bytes: memory is asked for after checking.
-  if (vertex.count > file.size() / (2 * width) + 1)
-    bad_input(file.path(), "header",
-              "the file has no room for " + count_of(vertex) + "; it is cut short, fetch it again");
-  CloudBuilder builder(columns, std::size_t(vertex.count), false, keep_places);
-  std::vector<CloudBuilder::Cursor> cursors = {builder.cursor(0, std::size_t(vertex.count))};
+  // A number and what parts it from the next take two bytes: no more points than so is memory asked for.
+  const std::uint64_t room = std::min<std::uint64_t>(vertex.count, file.size() / (2 * width) + 1);
+  CloudBuilder builder(columns, std::size_t(room), false, keep_places);
+  std::vector<CloudBuilder::Cursor> cursors = {builder.cursor(0, std::size_t(room))};
   LineReader lines(file, header.data_begin, header.lines + 1);
   std::string_view line;
   const char *at = nullptr, *end = nullptr;
   std::vector<double> row(width);
-  for (std::uint64_t i = 0; i < vertex.count; ++i) {
+  const auto is_at_end = [&] {
+    while ((at = skip_blanks(at, end)) == end) {
+      if (!lines.next(line)) return true;
+      at = line.data(), end = at + line.size();
+    }
+    return false;
+  };
+  std::uint64_t held = vertex.count;
+  for (std::uint64_t i = 0; i < held; ++i) {
     if (i % 65536 == 0) progress.check(), progress.update(double(i) / double(vertex.count), "reading");
     for (std::size_t k = 0; k < width; ++k) {
-      while ((at = skip_blanks(at, end)) == end) {
-        if (!lines.next(line))
-          bad_input(file.path(), "line " + std::to_string(lines.line_number()),
-                    "the file ends after " + counted(i, "point") + ", expected " + count_of(vertex) +
-                        "; it is cut short, fetch it again");
-        at = line.data(), end = at + line.size();
+      if (is_at_end()) {
+        held =
+            held_points(file, "line " + std::to_string(lines.line_number()), i, vertex.count, result.report);
+        break;
       }
       try {
         row[k] = next_number(at, end, vertex.properties[k].name);
@@ -184,7 +183,7 @@ void read_numbers(const File& file, const PlyHeader& header, bool keep_places, P
                   std::string(error.what()) + "; the file is damaged, fetch it again");
       }
     }
-    builder.decode(cursors[0], reinterpret_cast<const std::byte*>(row.data()), 0, 1, i);
+    if (i < held) builder.decode(cursors[0], reinterpret_cast<const std::byte*>(row.data()), 0, 1, i);
   }
   builder.finish(cursors, result);
 }
@@ -226,7 +225,7 @@ ReadResult read_ply(const std::filesystem::path& path, const ReadOptions& option
   if (header.up == UpAxis::pos_y && !header.says_up && !has_faces && !result.cloud.colors.empty() &&
       report.points_finite > 0 && report.normals_dropped == report.points_finite)
     result.cloud.up = UpAxis::neg_y;
-  if (has_faces)
+  if (has_faces && report.points_missing == 0)
     take_faces(file, options, result, [&] { return read_ply_faces(file, header, result, progress); });
   result.has_faces = declares_faces;
   return result;

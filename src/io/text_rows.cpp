@@ -215,6 +215,11 @@ TextBlocks cut_lines(const File& file, std::uint64_t begin, std::uint64_t first_
   return text;
 }
 
+std::uint64_t whole_lines(const File& file, std::uint64_t lines) {
+  const std::string last = file.size() > 0 ? file.read_text(file.size() - 1, 1) : "";
+  return last == "\n" || last == "\r" || lines == 0 ? lines : lines - 1;
+}
+
 void read_rows(const File& file, const TextBlocks& text, std::uint64_t first, std::uint64_t last,
                const LineGrammar& grammar, std::vector<Column> columns, bool keep_places, Progress& progress,
                ReadResult& result) {

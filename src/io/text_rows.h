@@ -90,6 +90,9 @@ struct TextBlocks {
 TextBlocks cut_lines(const File& file, std::uint64_t begin, std::uint64_t first_line,
                      const LineGrammar& grammar, Progress& progress);
 
+/// Of so many lines at the end of a file, those that end: what is cut short may end within a number.
+std::uint64_t whole_lines(const File& file, std::uint64_t lines);
+
 /// Parses the counted rows [first, last) into the columns, which it lays out as doubles, and builds the
 /// cloud. Error(bad_input) with the line that is no row.
 void read_rows(const File& file, const TextBlocks& text, std::uint64_t first, std::uint64_t last,

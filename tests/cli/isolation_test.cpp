@@ -46,6 +46,18 @@ TEST_F(IsolationTest, ADeadDecoderIsOneErrorAndTheRestIsDrawn) {
   EXPECT_FALSE(exists("b.png"));
 }
 
+TEST_F(IsolationTest, WhatACutFileHoldsIsDrawn) {
+  write_scan("scan.ply", 0);
+  std::filesystem::resize_file(path("scan.ply"), std::filesystem::file_size(path("scan.ply")) / 2);
+  const Outcome outcome = run({"scan.ply", "-t", "points", "-o", "a.png", "--resolution", "60x40"});
+  EXPECT_EQ(outcome.code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(", expected 120000; fetch the rest; it is left out"));
+  EXPECT_THAT(outcome.err, HasSubstr(" of 120000 points are missing"));
+  EXPECT_TRUE(exists("a.png"));
+  EXPECT_EQ(run({"scan.ply", "-t", "points", "-o", "b.png", "--strict"}).code, 2);
+  EXPECT_FALSE(exists("b.png"));
+}
+
 TEST_F(IsolationTest, EveryCommandSaysWhatIsMissing) {
   write_scan("scan.laz", 666);
   const Outcome info = run({"info", "scan.laz", "--json"});

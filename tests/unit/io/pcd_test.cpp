@@ -192,7 +192,7 @@ TEST(PcdTest, BadFilesAreOneLine) {
     return bytes.replace(bytes.find(from), from.size(), to);
   };
   const std::pair<std::string, const char*> cases[] = {
-      {good + std::string(23, '\0'), "after 1 point, expected 2"},
+      {good + std::string(11, '\0'), "after 0 points, expected 2"},
       {replaced("POINTS 2", "POINTS 3"), "expected WIDTH x HEIGHT = 2"},
       {replaced("WIDTH 2", "WIDTH x"), "line 7: found WIDTH 'x'"},
       {replaced("SIZE 4 4 4", "SIZE 4 4 3"), "'z' of type F3"},
@@ -215,6 +215,24 @@ TEST(PcdTest, BadFilesAreOneLine) {
     ASSERT_TRUE(error.has_value()) << message;
     EXPECT_EQ(error->code(), ErrorCode::bad_input);
     EXPECT_NE(std::string(error->what()).find(message), std::string::npos) << error->what();
+  }
+}
+
+// A picture of 2 by 2 pixels of which three are there.
+TEST(PcdTest, WhatACutFileHoldsIsRead) {
+  for (const std::string& bytes :
+       {header("x y z", "4 4 4", "F F F", "1 1 1", 2, 2, "binary") +
+            bytes_of(1.f, 2.f, 3.f, 4.f, 5.f, 6.f, 7.f, 8.f, 9.f, 10.f),
+        header("x y z", "4 4 4", "F F F", "1 1 1", 2, 2, "ascii") + "1 2 3\n4 5 6\n7 8 9\n"}) {
+    const std::filesystem::path file = write_file("cut.pcd", bytes);
+    const io::ReadResult read = io::read(file);
+    ASSERT_EQ(read.cloud.size(), 3u);
+    EXPECT_EQ(read.cloud.grid_index, (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_EQ(read.report.points_missing, 1u);
+    EXPECT_THAT(read.report.damage, testing::ElementsAre(testing::HasSubstr("after 3 points, expected 4")));
+    io::ReadOptions options;
+    options.strict = true;
+    EXPECT_TRUE(test::error_of(file, options).has_value());
   }
 }
 
