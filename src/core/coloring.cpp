@@ -363,7 +363,8 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     out.is_photographed = are_of_photographs(out.colors);
     if (settings.for_black) {
       out.for_black = *settings.for_black;
-    } else if (out.is_photographed && settings.exposure != 1 && is_black_none(out.colors)) {
+    } else if (out.is_photographed && settings.exposure != 1 && !cloud.scalar("opacity") &&
+               is_black_none(out.colors)) {  // Gaussian splats are as black as their training left them
       out.for_black = median_but_black(out.colors);
       out.notes.push_back(
           "points that are 0 0 0, which no photograph shows, have the median colour; --exposure 1 leaves "

@@ -504,6 +504,9 @@ TEST(Coloring, BlackOfPointsThatNoPhotographShowsIsDrawnInTheMedianColour) {
   cloud.colors = colors;
   for (Rgba8& c : cloud.colors) c.g = c.b = c.r;
   EXPECT_EQ(color_points(cloud, {"rgb"}).for_black.g, 0) << "intensities as colours";
+  cloud.colors = colors;
+  cloud.set_scalar({"opacity", 0, std::vector<float>(cloud.size(), 1.0f)});
+  EXPECT_EQ(color_points(cloud, {"rgb"}).for_black.g, 0) << "Gaussian splats";
 }
 
 TEST(Coloring, HeightsAreSpreadByTheNumberOfPoints) {
