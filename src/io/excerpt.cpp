@@ -62,8 +62,8 @@ struct Runs {
   std::uint64_t begin(std::uint64_t k) const { return Subsample(total / length, count).place(k) * length; }
 };
 
-/// Records of `size` bytes from `begin` on: about `points` of `total`, as they lie in the file; none where it is
-/// cut short.
+/// Records of `size` bytes from `begin` on: about `points` of `total`, as they lie in the file; none where it
+/// is cut short.
 std::string records_of(const File& file, std::uint64_t begin, std::size_t size, std::uint64_t total,
                        std::size_t points, Progress& progress) {
   if (begin > file.size() || (file.size() - begin) / size < total) return {};

@@ -48,8 +48,8 @@ inline constexpr std::uint64_t least_cut_points = 4 * sample_points;
 [[noreturn]] void bad_input(const std::filesystem::path& file, const std::string& place,
                             const std::string& what);
 
-/// Of the points that a header declares, those that the file holds where it ends early: what it lacks is damage
-/// (ReadReport). Error(bad_input) where it holds none.
+/// Of the points that a header declares, those that the file holds where it ends early: what it lacks is
+/// damage (ReadReport). Error(bad_input) where it holds none.
 std::uint64_t held_points(const File& file, const std::string& place, std::uint64_t held,
                           std::uint64_t declared, ReadReport& report);
 

@@ -503,6 +503,7 @@ Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   ReadOptions options;
   options.faces = &faces;
   ReadResult vertices = format.read(file, options, progress);
+  if (!vertices.report.damage.empty()) throw Error(ErrorCode::bad_input, vertices.report.damage.front());
   if (faces.bad > 0)
     bad_input(file, faces.first_bad,
               "found a face with a corner outside the " + std::to_string(vertices.report.points) +

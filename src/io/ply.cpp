@@ -225,7 +225,9 @@ ReadResult read_ply(const std::filesystem::path& path, const ReadOptions& option
   if (header.up == UpAxis::pos_y && !header.says_up && !has_faces && !result.cloud.colors.empty() &&
       report.points_finite > 0 && report.normals_dropped == report.points_finite)
     result.cloud.up = UpAxis::neg_y;
-  if (has_faces && report.points_missing == 0)
+  if (has_faces && report.points_missing > 0)
+    result.cloud.grid_index.clear();  // the faces lie behind what is missing
+  else if (has_faces)
     take_faces(file, options, result, [&] { return read_ply_faces(file, header, result, progress); });
   result.has_faces = declares_faces;
   return result;

@@ -118,7 +118,7 @@ TEST_F(CommandTest, BadInputIsExitCode2) {
   write("points_only.xyz", "no numbers here\n");
   write("short.ply",
         "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
-        "end_header\n1 2 3\n");
+        "end_header\n");
   write("none.ply",
         "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
         "end_header\n");

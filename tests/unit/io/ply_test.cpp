@@ -537,6 +537,7 @@ TEST(PlyTest, WhatACutFileHoldsIsRead) {
     EXPECT_EQ(read.report.points_dropped, 0u);
     EXPECT_THAT(read.report.damage, testing::ElementsAre(HasSubstr(", expected 3; fetch the rest")));
     EXPECT_TRUE(read.report.notes.empty()) << read.report.notes[0];
+    EXPECT_TRUE(read.cloud.grid_index.empty());
     options.strict = true;
     EXPECT_TRUE(test::error_of(file, options).has_value());
   }
