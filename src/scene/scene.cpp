@@ -14,7 +14,17 @@
 
 namespace sfumato::scene {
 
-// What is said of the temporary file of "-" is said of standard input.
+namespace {
+
+/// What is said of the temporary file of "-" is said of standard input.
+std::string of_standard_input(std::string text, const std::string& path) {
+  for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path))
+    text.replace(at, path.size(), "standard input");
+  return text;
+}
+
+}  // namespace
+
 io::ReadResult read_file(const std::string& file, const io::ReadOptions& options, Progress& progress) {
   if (file != "-") return io::read(file, options, progress);
   const std::shared_ptr<StandardInput> input = StandardInput::get();
@@ -22,12 +32,10 @@ io::ReadResult read_file(const std::string& file, const io::ReadOptions& options
   try {
     io::ReadResult result = io::read(path, options, progress);
     result.report.file = "standard input";
+    for (std::string& part : result.report.damage) part = of_standard_input(part, path);
     return result;
   } catch (const Error& error) {
-    std::string text = error.what();
-    for (std::size_t at = text.find(path); at != std::string::npos; at = text.find(path))
-      text.replace(at, path.size(), "standard input");
-    throw Error(error.code(), text);
+    throw Error(error.code(), of_standard_input(error.what(), path));
   }
 }
 

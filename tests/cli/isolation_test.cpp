@@ -1,4 +1,7 @@
 // A decoder that dies takes nothing with it but its chunk.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "cli/command.h"
 
 using namespace sfumato::testing;
@@ -56,6 +59,12 @@ TEST_F(IsolationTest, WhatACutFileHoldsIsDrawn) {
   EXPECT_TRUE(exists("a.png"));
   EXPECT_EQ(run({"scan.ply", "-t", "points", "-o", "b.png", "--strict"}).code, 2);
   EXPECT_FALSE(exists("b.png"));
+  const int input = ::open(path("scan.ply").c_str(), O_RDONLY);
+  const Outcome piped = run_interrupted(
+      {"info", "-"}, [](double) { return false; }, input);
+  ::close(input);
+  EXPECT_EQ(piped.code, 3);
+  EXPECT_THAT(piped.err, HasSubstr("sfumato: standard input: byte "));
 }
 
 TEST_F(IsolationTest, EveryCommandSaysWhatIsMissing) {
