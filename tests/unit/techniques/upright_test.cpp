@@ -953,9 +953,16 @@ TEST(Upright, WhatLiesAsideIsSeldomAPicture) {
       if (int(each.up) / 2 == 1) sum += each.evidence[std::size_t(UpEvidence::camera)];
     return sum;
   };
-  const double beside = as_seen();
-  for (vec3& p : roof.positions) p -= vec3(0.45f, 0.6f, 0);
-  EXPECT_NEAR(0.75 * as_seen(), beside, 0.1) << "all around where a camera would look";
+  const PointCloud afar = roof;
+  const auto aside_over_around = [&](float rise) {
+    roof = afar;
+    for (vec3& p : roof.positions) p.z += rise * p.x;
+    const double beside = as_seen();
+    for (vec3& p : roof.positions) p -= vec3(0.45f, 0.6f, 0);
+    return beside / as_seen();  // all around where a camera would look
+  };
+  EXPECT_NEAR(aside_over_around(0), 0.75, 0.05);
+  EXPECT_NEAR(aside_over_around(0.9f), 0.4, 0.05) << "as deep as it is far away";
 }
 
 // The front of a head, open behind: its normals point to the viewer, which is no way up.
