@@ -335,11 +335,13 @@ std::vector<vec3> places_of_nothing(const PointCloud& cloud) {
 
 /// What simulators and some drivers write where nothing returned: their range itself. No surface is as far as
 /// another by a ten thousandth, few returns come from the last tenth, and a line of sight with a return has
-/// no other: beside one there are fewer of these than of other returns. 0 where there is none.
+/// no other: beside one there are fewer of these than of other returns. They lie in many directions, as no
+/// thing does that is as far off as ten thousand times its width. 0 where there is none.
 double range_of_nothing(const PointCloud& cloud) {
   constexpr std::size_t sample_size = 65'536, one_in = 100;
   constexpr double equal = 1e-4, nearly = 0.1;
   constexpr int sectors = 512;  // of 0.7 degrees
+  constexpr std::ptrdiff_t fewest_directions = 16;
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / sample_size);
   std::vector<double> ranges;
   ranges.reserve(cloud.size() / stride + 1);
@@ -375,7 +377,10 @@ double range_of_nothing(const PointCloud& cloud) {
   double returns = 0, beside_others = 0;
   for (const std::uint32_t count : returned) returns += count, beside_others += count > 1 ? count : 0;
   const auto nothing = double(of_nothing.size());
-  const bool is_nothing = all > 2 * one_in && one_in * nothing > double(all) && 2 * nothing < double(all) &&
+  std::sort(of_nothing.begin(), of_nothing.end());
+  const auto directions = std::unique(of_nothing.begin(), of_nothing.end()) - of_nothing.begin();
+  const bool is_nothing = directions >= fewest_directions && all > 2 * one_in &&
+                          one_in * nothing > double(all) && 2 * nothing < double(all) &&
                           double(one_in * near_most) < nothing &&
                           2 * beside / nothing < beside_others / returns;
   return is_nothing ? (1 - equal) * most : 0;

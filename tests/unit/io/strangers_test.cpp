@@ -403,6 +403,19 @@ TEST(StrangersKinds, RecordsOfNothingAreLeftOut) {
   EXPECT_EQ(read_text("0 0 0\n1 2 3\n4 5 6\n").cloud.size(), 3u);  // the origin may be a point
 }
 
+// Half of a file in the coordinates of a map.
+TEST(StrangersKinds, WhatIsFarOffInOneDirectionIsKept) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-50, 50);
+  std::string points;
+  for (int i = 0; i < 5000; ++i) {
+    const dvec3 at = i < 3000 ? dvec3(0) : dvec3(4e5, 5e6, 100);
+    for (int k = 0; k < 3; ++k) points += std::to_string(at[k] + unit(random)) + (k < 2 ? " " : "\n");
+  }
+  const io::ReadResult read = io::read(test::write_file("mixed.xyz", points));
+  EXPECT_EQ(read.cloud.size(), 5000u);
+}
+
 TEST(StrangersKinds, RangesOfNothingAreLeftOut) {
   // A lidar of 32 lines between two walls, below the sky.
   std::string walls, sky, ball;
