@@ -196,9 +196,10 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
       sensor_view_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
   if (view.is_narrow()) return {};
   const double one = is_one_picture(view), image = is_image(view);
-  const double afar = axis == 2 && positive && view.afar ? of_photographs : 0;
-  const double before = std::max({view.is_beside ? std::max(of_segments, afar) * one : one,
-                                  view.ahead && colored ? of_photographs : 0, view.ahead ? afar : 0});
+  const bool is_afar = axis == 2 && positive && view.afar;
+  const double before = view.is_beside
+                            ? (is_afar ? of_photographs : of_segments) * one
+                            : std::max(one, view.ahead && (colored || is_afar) ? of_photographs : 0);
   const double seen = std::max(image, before * (1 - lies(axis)));
   const double custom = positive ? -1 : 1, down = custom * downwards(axis);
   const double sign = down < -in_rows ? -custom : custom;
