@@ -94,8 +94,8 @@ std::vector<Rgba8> distinct_colors(const std::vector<Rgba8>& colors, std::size_t
 vec3 contrasting_background(const std::vector<Rgba8>& colors);
 
 /// Behind photographed colours: neither black ones, of a contrast of 2.3 with it, nor white ones, of 9.3, are
-/// taken for gaps. Of three pages and three greys what readers marked best
-/// (docs/measurements/first_view.md).
-inline constexpr vec3 background_of_photographs{0.27f, 0.28f, 0.29f};
+/// taken for gaps; nor are greys and browns, which photographs are full of, as blue is far from them. What
+/// readers marked best (docs/measurements/first_view.md).
+inline constexpr vec3 background_of_photographs{0.23f, 0.28f, 0.37f};
 
 }  // namespace sfumato

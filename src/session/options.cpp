@@ -515,7 +515,7 @@ void add_colours(Table& t) {
       .python("number")
       .served();
   t.value("--background-color", "COLOUR",
-          "a name, #hex or R,G,B from 0 to 1 (dark grey, lighter for photographs; white for clay, other dark "
+          "a name, #hex or R,G,B from 0 to 1 (dark grey, slate for photographs; white for clay, other dark "
           "colours, charcoal, watercolor, shadows on a ground)",
           &Request::background, color)
       .or_nothing()

@@ -232,7 +232,7 @@ TEST_F(CommandTest, OneIsNotSpokenOfAsMany) {
   EXPECT_THAT(converted.err, HasSubstr("wrote one.ply (1 point)"));
   const Outcome drawn = run({"one.ply", "-o", "one.png", "--resolution", "64x48"});
   EXPECT_THAT(drawn.err, HasSubstr("points (only 1 point)"));
-  EXPECT_THAT(drawn.err, HasSubstr("wrote one.png (1 point, coloured by elevation)"));
+  EXPECT_THAT(drawn.err, HasSubstr("wrote one.png (1 point, coloured by elevation, +Z up)"));
 }
 
 }  // namespace

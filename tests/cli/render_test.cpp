@@ -153,9 +153,9 @@ TEST_F(RenderTest, PaperIsWhite) {
     return read_png("p.png").at(0, 0);
   };
   const Rgba8 white{255, 255, 255, 255};
-  const Rgba8 grey{69, 71, 74, 255};  // of photographs, which more than 64 colours are
-  EXPECT_EQ(corner({"-t", "points"}), grey);
-  EXPECT_EQ(corner({"-t", "strokes"}), grey);
+  const Rgba8 slate{59, 71, 94, 255};  // of photographs, which more than 64 colours are
+  EXPECT_EQ(corner({"-t", "points"}), slate);
+  EXPECT_EQ(corner({"-t", "strokes"}), slate);
   EXPECT_LT(luma(corner({"-t", "points", "--color-by", "elevation"})), 50);
   EXPECT_GT(luma(corner({"-t", "strokes", "--style", "charcoal"})), 200);
   EXPECT_EQ(corner({"-t", "splats", "--shadows", "hard", "--ground"}), white);

@@ -66,6 +66,7 @@ void tell_pose(const Pose& pose, const RenderOptions& options, RenderReport& rep
     console.note("the file does not say its unit, --scale takes it for metres; --unit ft says otherwise");
   report.cutaway = pose.subject.room.has_value();
   report.up = to_string(pose.upright.up), report.up_reason = pose.upright.reason;
+  report.up_is_noted = pose.upright.other.has_value();
 }
 
 /// Refuses outputs that would replace an input or each other, before anything is read.
@@ -219,8 +220,9 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
     else if (report.frames > 1)
       console.note(fmt::format("wrote {} ... {} ({} pictures)", first, report.outputs.back(), report.frames));
     else
-      console.note(fmt::format("wrote {} ({}, coloured by {})", first,
-                               counted(report.points_rendered, "point"), report.color_by));
+      console.note(fmt::format("wrote {} ({}, coloured by {}{})", first,
+                               counted(report.points_rendered, "point"), report.color_by,
+                               report.up_is_noted ? "" : ", " + report.up + " up"));
   }
   if (!technique.empty()) console.note(technique);
   for (std::size_t i = 0; i < report.techniques.size(); ++i)

@@ -46,6 +46,7 @@ struct RenderReport {
   vec3 background{1};
   bool cutaway = false;                       ///< a room is drawn without the walls before it
   std::string up, up_reason;                  ///< the axis and why it is that one
+  bool up_is_noted = false;                   ///< with how to turn it
   std::optional<scene::LevelsReport> levels;  ///< of the last scene that was read by its levels
   std::uint64_t points_missing = 0;           ///< of those read, in damaged parts
   bool is_partial = false;                    ///< parts of files were damaged and left out
