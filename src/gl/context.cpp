@@ -272,7 +272,8 @@ Pacing* current_pacing() { return current.pacing; }
 
 Place place_of_work(Place preferred) {
   if (preferred != Place::automatic) return preferred;
-  return limits().software ? Place::cpu : Place::gpu;
+  // Who brings shaders wants to see them.
+  return limits().software && preferences().shader_folder.empty() ? Place::cpu : Place::gpu;
 }
 
 void require(bool condition, const std::string& who, const std::string& needs) {

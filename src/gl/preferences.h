@@ -40,7 +40,7 @@ struct Preferences {
 /// Those of the context that is current on this thread (without one, the environment's). Passes read them
 /// when they are made or run, so that a change holds for what comes after it.
 Preferences& preferences();
-/// `preferred`, or where it leaves the choice open, the CPU on software GL.
+/// `preferred`, or where it leaves the choice open, the CPU on software GL unless there is a `shader_folder`.
 Place place_of_work(Place preferred);
 
 }  // namespace sfumato::gl

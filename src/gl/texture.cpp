@@ -1,6 +1,8 @@
 #include "gl/texture.h"
 
 #include <algorithm>
+#include <cassert>
+#include <type_traits>
 
 #include "core/error.h"
 #include "gl/context.h"
@@ -32,7 +34,7 @@ Texture Texture::view(const Texture& mipmap, int level, int levels) {
   texture.height_ = std::max(1, mipmap.height_ >> level);
   texture.format_ = mipmap.format_;
   glGenTextures(1, &texture.id_);
-  glTextureView(texture.id_, GL_TEXTURE_2D, mipmap.id_, mipmap.format_, GLuint(level), GLuint(levels), 0, 1);
+  glTextureView(texture.id_, GL_TEXTURE_2D, mipmap.id(), mipmap.format_, GLuint(level), GLuint(levels), 0, 1);
   glTextureParameteri(texture.id_, GL_TEXTURE_MIN_FILTER,
                       levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
   glTextureParameteri(texture.id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -48,11 +50,15 @@ void Texture::set_trilinear_filter() {
   glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
 }
 
-void Texture::clear(const vec4& value) { glClearTexImage(id_, 0, GL_RGBA, GL_FLOAT, &value); }
+void Texture::clear(const vec4& value) {
+  glClearTexImage(id_, 0, GL_RGBA, GL_FLOAT, &value);
+  is_here_ = false, is_in_gl_ = true;
+}
 
 void Texture::clear_uint(std::uint32_t value) {
   const std::uint32_t texel[4] = {value, value, value, value};
   glClearTexImage(id_, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, texel);
+  is_here_ = false, is_in_gl_ = true;
 }
 
 namespace {
@@ -91,17 +97,79 @@ struct Transfer<Rgba8> {
 }  // namespace
 
 template <class T>
-void Texture::download(Image<T>& image) const {
+void Texture::fetch(Image<T>& image) const {
   glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
   if (image.width() != width_ || image.height() != height_) image = Image<T>(width_, height_);
+  if constexpr (sizeof(T) < 4) glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glGetTextureImage(id_, 0, Transfer<T>::format, Transfer<T>::type, GLsizei(image.size() * sizeof(T)),
                     image.data());
 }
 
 template <class T>
+void Texture::download(Image<T>& image) const {
+  if (is_here<T>()) {
+    image = std::get<Image<T>>(here_);
+    return;
+  }
+  hand_over();
+  fetch(image);
+}
+
+template <class T>
 void Texture::upload_rows(const Image<T>& image, int first, int rows) {
+  if (rows < height_) hand_over();
+  is_here_ = false, is_in_gl_ = true;
   if constexpr (sizeof(T) < 4) glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTextureSubImage2D(id_, 0, 0, first, width_, rows, Transfer<T>::format, Transfer<T>::type, image.data());
+}
+
+void Texture::send() const {
+  is_in_gl_ = true;
+  std::visit(
+      [&]<class Held>(const Held& image) {
+        if constexpr (!std::is_same_v<Held, std::monostate>) {
+          using T = std::decay_t<decltype(*image.data())>;
+          if constexpr (sizeof(T) < 4) glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+          glTextureSubImage2D(id_, 0, 0, 0, width_, height_, Transfer<T>::format, Transfer<T>::type,
+                              image.data());
+        }
+      },
+      here_);
+}
+
+template <class T>
+const Image<T>& Texture::peek() const {
+  if (!is_here<T>()) {
+    hand_over();
+    is_here_ = false;
+    if (!std::holds_alternative<Image<T>>(here_)) here_ = Image<T>();
+    fetch(std::get<Image<T>>(here_));
+    is_here_ = true;
+  }
+  return std::get<Image<T>>(here_);
+}
+
+template <class T>
+Image<T> Texture::take() {
+  peek<T>();
+  return blank<T>();
+}
+
+template <class T>
+Image<T> Texture::blank() {
+  is_here_ = false, is_in_gl_ = true;
+  Image<T>* kept = std::get_if<Image<T>>(&here_);
+  Image<T> image = kept ? std::move(*kept) : Image<T>();
+  here_ = std::monostate();
+  if (image.width() != width_ || image.height() != height_) image = Image<T>(width_, height_);
+  return image;
+}
+
+template <class T>
+void Texture::give(Image<T>&& image) {
+  assert(image.width() == width_ && image.height() == height_);
+  here_ = std::move(image);
+  is_here_ = true, is_in_gl_ = false;
 }
 
 template void Texture::download(Image<float>&) const;
@@ -118,8 +186,21 @@ template void Texture::upload_rows(const Image<std::uint32_t>&, int, int);
 template void Texture::upload_rows(const Image<Rgba8>&, int, int);
 template void Texture::upload_rows(const Image<std::uint8_t>&, int, int);
 
+#define SFUMATO_HOLDS(T)                             \
+  template const Image<T>& Texture::peek<T>() const; \
+  template Image<T> Texture::take<T>();              \
+  template Image<T> Texture::blank<T>();             \
+  template void Texture::give<T>(Image<T> &&);
+SFUMATO_HOLDS(float)
+SFUMATO_HOLDS(vec4)
+SFUMATO_HOLDS(std::uint32_t)
+SFUMATO_HOLDS(std::uint8_t)
+SFUMATO_HOLDS(Rgba8)
+#undef SFUMATO_HOLDS
+
 void ensure(Texture& texture, const std::string& label, GLenum format, int width, int height) {
-  if (texture && texture.width() == width && texture.height() == height && texture.format() == format) return;
+  if (texture && texture.width() == width && texture.height() == height && texture.format() == format)
+    return texture.forget();
   texture = Texture(label, format, width, height);
 }
 

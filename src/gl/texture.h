@@ -5,6 +5,7 @@
 
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "core/image.h"
 
@@ -27,14 +28,22 @@ class Texture {
     return *this;
   }
 
-  GLuint id() const { return id_; }
+  /// For GL to read or write.
+  GLuint id() const {
+    hand_over(), is_here_ = false;
+    return id_;
+  }
   explicit operator bool() const { return id_ != 0; }
   int width() const { return width_; }
   int height() const { return height_; }
   GLenum format() const { return format_; }
-  void bind(int unit) const { glBindTextureUnit(GLuint(unit), id_); }
+  /// To be read.
+  void bind(int unit) const {
+    hand_over();
+    glBindTextureUnit(GLuint(unit), id_);
+  }
   void bind_image(int unit, GLenum access) const {
-    glBindImageTexture(GLuint(unit), id_, 0, GL_FALSE, 0, access, format_);
+    glBindImageTexture(GLuint(unit), id(), 0, GL_FALSE, 0, access, format_);
   }
   /// Linear within and between levels.
   void set_trilinear_filter();
@@ -60,16 +69,53 @@ class Texture {
   template <class T>
   void upload_rows(const Image<T>& image, int first, int rows);
 
+  // Where OpenGL is software, a picture goes from loop to loop of the processor (passes/*_cpu.h) in memory:
+  // GL gets it when a pass asks for the texture, if one does. T is one type for one texture.
+
+  /// What it holds, until GL may write to it or it is taken or given.
+  template <class T>
+  const Image<T>& peek() const;
+  /// The same, to be changed and given back: until then it holds nothing.
+  template <class T>
+  Image<T> take();
+  /// Memory of its size to be filled and given; what it holds is lost.
+  template <class T>
+  Image<T> blank();
+  /// From here on it holds that.
+  template <class T>
+  void give(Image<T>&& image);
+  /// What it holds is lost, and GL need not have it.
+  void forget() { is_here_ = false, is_in_gl_ = true; }
+
  private:
   void swap(Texture& other) {
     std::swap(id_, other.id_);
     std::swap(width_, other.width_);
     std::swap(height_, other.height_);
     std::swap(format_, other.format_);
+    std::swap(here_, other.here_);
+    std::swap(is_here_, other.is_here_);
+    std::swap(is_in_gl_, other.is_in_gl_);
   }
+  template <class T>
+  bool is_here() const {
+    return is_here_ && std::holds_alternative<Image<T>>(here_);
+  }
+  /// Gives GL what it lacks.
+  void hand_over() const {
+    if (!is_in_gl_) send();
+  }
+  void send() const;
+  template <class T>
+  void fetch(Image<T>& image) const;
   GLuint id_ = 0;
   int width_ = 0, height_ = 0;
   GLenum format_ = 0;
+  /// Kept where it is no more, as memory for the next.
+  mutable std::variant<std::monostate, Image<float>, Image<vec2>, Image<vec3>, Image<vec4>,
+                       Image<std::uint32_t>, Image<std::uint8_t>, Image<Rgba8>>
+      here_;
+  mutable bool is_here_ = false, is_in_gl_ = true;  ///< where its content is; both: alike
 };
 
 /// Makes `texture` of that format and size unless it already is; contents are undefined afterwards.

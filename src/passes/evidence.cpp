@@ -1,6 +1,9 @@
 #include "passes/evidence.h"
 
+#include <utility>
+
 #include "gl/commands.h"
+#include "gl/pace.h"
 #include "gl/preferences.h"
 #include "passes/bindings.h"
 #include "passes/evidence_cpu.h"
@@ -29,7 +32,7 @@ const gl::Texture& Evidence::find(const Image<std::uint32_t>& depth_bits, int wi
                                   const EvidenceReach& reach) {
   if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
     gl::ensure(mask_, "evidence", GL_R8, width, height);
-    mask_.upload(evidence_mask(depth_bits, reach.band(), width, height, reach));
+    mask_.give(evidence_mask(depth_bits, reach.band(), width, height, reach));
     return mask_;
   }
   gl::ensure(bits_, "depth bits", GL_R32UI, depth_bits.width(), depth_bits.height());
@@ -41,7 +44,7 @@ const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int w
                                   const EvidenceReach& reach) {
   gl::ensure(mask_, "evidence", GL_R8, width, height);
   if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
-    mask_.upload(evidence_mask(depth_bits.download<std::uint32_t>(), band, width, height, reach));
+    mask_.give(evidence_mask(depth_bits.peek<std::uint32_t>(), band, width, height, reach));
     return mask_;
   }
   const int wide = depth_bits.width(), high = depth_bits.height();
@@ -69,7 +72,15 @@ const gl::Texture& Evidence::find(const gl::Texture& depth_bits, int band, int w
   return mask_;
 }
 
-void Evidence::apply(const gl::Texture& albedo, const gl::Texture& depth, const gl::Texture& normal) {
+void Evidence::apply(gl::Texture& albedo, gl::Texture& depth, gl::Texture& normal) {
+  if (gl::place_of_work(gl::preferences().evidence) == gl::Place::cpu) {
+    gl::end_stretch();
+    Image<vec4> colors = albedo.take<vec4>(), normals = normal.take<vec4>();
+    Image<float> depths = depth.take<float>();
+    apply_evidence(mask_.peek<std::uint8_t>(), colors, depths, normals);
+    albedo.give(std::move(colors)), depth.give(std::move(depths)), normal.give(std::move(normals));
+    return;
+  }
   if (!apply_) apply_ = ScreenPass("passes/evidence_apply.glsl", {GL_RGBA32F, GL_R32F, GL_RGBA32F});
   apply_.run({&mask_}, {&albedo, &depth, &normal});
 }

@@ -49,7 +49,7 @@ class Evidence {
   const gl::Texture& find(const Image<std::uint32_t>& depth_bits, int width, int height,
                           const EvidenceReach& reach);
   /// Takes away what no point vouches for. `albedo`: RGBA32F, `depth`: R32F, `normal`: RGBA32F.
-  void apply(const gl::Texture& albedo, const gl::Texture& depth, const gl::Texture& normal);
+  void apply(gl::Texture& albedo, gl::Texture& depth, gl::Texture& normal);
 
  private:
   PointsToPixels to_pixels_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <limits>
 
 #include "core/wide.h"
 
@@ -217,6 +218,17 @@ Image<std::uint8_t> evidence_mask(const Image<std::uint32_t>& depth_bits, int ba
   widen(reach.beside, [&](int x, int y) { return shape.in_triangle(x, y); });
   widen(reach.around, [&](int x, int y) { return shape.is_lone(x, y); });
   return mask;
+}
+
+void apply_evidence(const Image<std::uint8_t>& mask, Image<vec4>& albedo, Image<float>& depth,
+                    Image<vec4>& normal) {
+  tbb::parallel_for(0, mask.height(), [&](int y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (mask.at(x, y) > 0) continue;
+      albedo.at(x, y) = vec4(0), normal.at(x, y) = vec4(0, 0, 0, 1);
+      depth.at(x, y) = std::numeric_limits<float>::infinity();
+    }
+  });
 }
 
 }  // namespace sfumato

@@ -28,20 +28,20 @@ void PostProcessing::run(const View& view, const Relief::Options& relief, bool w
   if (!relief.any() && !with_smooth_outlines) return;
   if (gl::place_of_work(gl::preferences().finish) == gl::Place::cpu) {
     gl::end_stretch();
-    color.download(color_here_), depth.download(depth_here_);
+    Image<vec4> here = color.take<vec4>();
     if (relief.any()) {
       auto timing = timers.scope("relief");
       const Relief::Openness openness = relief_.find_openness(view, relief, depth);
       gl::end_stretch();
-      if (relief.scaling > 0) normal.download(normal_here_);
-      shade_relief(view, relief, openness.square_px, depth_here_, openness.squares.download<vec2>(),
-                   normal_here_, color_here_);
+      static const Image<vec4> none;
+      shade_relief(view, relief, openness.square_px, depth.peek<float>(), openness.squares.download<vec2>(),
+                   relief.scaling > 0 ? normal.peek<vec4>() : none, here);
     }
     if (with_smooth_outlines) {
       auto timing = timers.scope("smooth outlines");
-      smooth_outlines(view, depth_here_, color_here_);
+      smooth_outlines(view, depth.peek<float>(), here);
     }
-    color.upload(color_here_);
+    color.give(std::move(here));
     return;
   }
   gl::ensure(scratch_, "finish scratch", GL_RGBA32F, color.width(), color.height());
@@ -63,7 +63,14 @@ void set_background(ScreenPass& pass, const RenderSettings& settings) {
 }
 }  // namespace
 
-void Finish::run(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& rgba8) {
+void Finish::run(const RenderSettings& settings, const gl::Texture& color, gl::Texture& rgba8) {
+  if (gl::place_of_work(gl::preferences().finish) == gl::Place::cpu) {
+    gl::end_stretch();
+    Image<Rgba8> here = rgba8.blank<Rgba8>();
+    encode(settings, color.peek<vec4>(), here);
+    rgba8.give(std::move(here));
+    return;
+  }
   if (!encode_) encode_ = ScreenPass("passes/finish.glsl", {GL_RGBA8}, {"ENCODE_SRGB"});
   set_background(encode_, settings);
   encode_.run({&color}, {&rgba8});

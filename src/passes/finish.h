@@ -34,16 +34,13 @@ class PostProcessing {
   Relief relief_;
   SmoothOutlines outlines_;
   gl::Texture scratch_;
-  Image<vec4> color_here_;
-  Image<float> depth_here_;
-  Image<vec4> normal_here_;
 };
 
-/// Background and encoding. `color` is linear and premultiplied.
+/// Background and encoding, by the processor where OpenGL is software. `color` is linear and premultiplied.
 class Finish {
  public:
   /// `rgba8`: sRGB, straight alpha.
-  void run(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& rgba8);
+  void run(const RenderSettings& settings, const gl::Texture& color, gl::Texture& rgba8);
   /// `linear`: RGBA32F premultiplied over the background (alpha 1) or without one.
   void run_linear(const RenderSettings& settings, const gl::Texture& color, const gl::Texture& linear);
 

@@ -1,8 +1,5 @@
 #include "passes/finish_cpu.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,23 +9,14 @@
 #include <vector>
 
 #include "core/wide.h"
-#include "gl/pace.h"
+#include "passes/loops_cpu.h"
 #include "passes/shaders_cpu.h"
 
 namespace sfumato {
 namespace {
 
+using cpu::for_each_row;
 using cpu::lanes;
-constexpr int rows_at_once = 16;
-
-template <class Row>
-void for_each_row(int height, const Row& row) {
-  const Progress& progress = gl::lent_progress();
-  tbb::parallel_for(tbb::blocked_range<int>(0, height, rows_at_once), [&](const auto& range) {
-    progress.check();
-    for (int y = range.begin(); y < range.end(); ++y) row(y);
-  });
-}
 
 /// Shaders clamp what they look up to the picture: here it has a border of its last pixels.
 class Bordered {
@@ -394,6 +382,110 @@ struct Outlines {
   }
 };
 
+// shade.glsl.
+
+float linear(float srgb) {
+  return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
+}
+
+struct Shader {
+  const RenderSettings& settings;
+  const vec4& light;
+  cpu::Eye eye;
+  vec4 phong;
+  float far_plane;
+
+  [[gnu::always_inline]] vec3 lit(const vec3& albedo, const vec3& place, const vec3& normal,
+                                  float shadow) const {
+    const vec3 to_eye = eye.to_camera(place);
+    vec3 to_light = light.w > 0.5f ? vec3(light) - place : vec3(light);
+    to_light /= std::max(glm::length(to_light), 1e-30f);
+    float diffuse = 1, specular = 0;
+    if (glm::dot(normal, normal) > 0.25f) {
+      const float facing = glm::dot(normal, to_eye);
+      const vec3 n = facing < 0 ? -normal : normal;
+      if (light.w < 0)
+        to_light = glm::normalize(glm::mix(to_eye, to_light, glm::smoothstep(0.0f, 0.5f, std::abs(facing))));
+      diffuse = std::max(glm::dot(n, to_light), 0.0f);
+      if (diffuse > 0 && phong.z > 0)
+        specular = std::pow(std::max(glm::dot(glm::reflect(-to_light, n), to_eye), 0.0f), phong.w);
+    }
+    return albedo * (phong.x + shadow * phong.y * diffuse) + shadow * phong.z * specular;
+  }
+
+  vec3 nearest_category(const vec3& color) const {
+    const vec3* nearest = &color;
+    float least = INFINITY;
+    for (const vec3& each : settings.palette) {
+      const vec3 away = each - color;
+      if (glm::dot(away, away) < least) least = glm::dot(away, away), nearest = &each;
+    }
+    return *nearest;
+  }
+
+  [[gnu::always_inline]] void row(int y, const vec4* albedo, const float* depths, const vec4* normals,
+                                  vec4* out, int width) const {
+    for (int x = 0; x < width; ++x) {
+      const float alpha = albedo[x].a;
+      if (!(alpha > 0)) {
+        out[x] = vec4(0);
+        continue;
+      }
+      vec3 color = vec3(albedo[x]) / alpha;
+      if (!settings.palette.empty()) color = nearest_category(color);
+      const vec3 normal(normals[x]);
+      if (settings.shading == Shading::lit) {
+        const vec2 slope(eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(y)]);
+        const vec3 place(eye.orthographic ? slope : slope * depths[x], -depths[x]);
+        color = lit(color, place, eye.turned(normal), normals[x].w);
+      } else if (settings.shading == Shading::normals) {
+        const vec3 s = glm::dot(normal, normal) > 0.25f ? normal * 0.5f + 0.5f : vec3(0.5f);
+        color = {linear(s.r), linear(s.g), linear(s.b)};
+      } else if (settings.shading == Shading::depth) {
+        const float near_to_far = (depths[x] - eye.near_plane) / (far_plane - eye.near_plane);
+        color = vec3(linear(std::clamp(1 - near_to_far, 0.0f, 1.0f)));
+      }
+      out[x] = vec4(color * alpha, alpha);
+    }
+  }
+};
+
+SFUMATO_WIDE void shade_pixels(const Shader& shader, int y, const vec4* albedo, const float* depths,
+                               const vec4* normals, vec4* out, int width) {
+  shader.row(y, albedo, depths, normals, out, width);
+}
+
+// finish.glsl.
+
+/// Rounds what srgb_from_linear gives to 8 bits: it is the number of linear values below, halfway between two
+/// codes, that are not above it.
+class Encoder {
+ public:
+  Encoder() {
+    for (int k = 0; k < 256; ++k) {
+      const double s = (k - 0.5) / 255;
+      least_[std::size_t(k)] = float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    }
+    least_[0] = -INFINITY, least_[256] = INFINITY;
+    int code = 0;
+    for (int i = 0; i < steps + 1; ++i) {
+      while (float(i) / steps >= least_[std::size_t(code + 1)]) ++code;
+      first_[std::size_t(i)] = std::uint8_t(code);
+    }
+  }
+  [[gnu::always_inline]] std::uint8_t operator()(float linear) const {
+    const float value = std::min(std::max(linear, 0.0f), 1.0f);  // 0 where it is no number
+    int code = first_[std::size_t(value * steps)];
+    while (value >= least_[std::size_t(code + 1)]) ++code;
+    return std::uint8_t(code);
+  }
+
+ private:
+  static constexpr int steps = 4096;
+  std::array<float, 257> least_;               // that is encoded so
+  std::array<std::uint8_t, steps + 1> first_;  // the code of the beginning of each step
+};
+
 }  // namespace
 
 void shade_relief(const View& view, const Relief::Options& options, float square_px,
@@ -435,6 +527,39 @@ void smooth_outlines(const View& view, const Image<float>& depth, Image<vec4>& c
   });
   for_each_row(height, [&](int y) {
     for (const Change& change : changes[std::size_t(y)]) color.at(change.x, y) = change.color;
+  });
+}
+
+void shade(const View& view, const RenderSettings& settings, const vec4& light_eye, const Image<vec4>& albedo,
+           const Image<float>& depth, const Image<vec4>& normal, Image<vec4>& color) {
+  const Phong& phong = settings.phong;
+  const Shader shader{
+      settings, light_eye, cpu::Eye(view),
+      vec4(phong.ambient.value(), phong.diffuse.value(), phong.specular.value(), phong.shininess),
+      float(view.camera().far_plane)};
+  for_each_row(color.height(), [&](int y) {
+    shade_pixels(shader, y, albedo.row(y), depth.row(y), normal.row(y), &color.at(0, y), color.width());
+  });
+}
+
+void encode(const RenderSettings& settings, const Image<vec4>& color, Image<Rgba8>& rgba8) {
+  static const Encoder encoder;
+  const Rgba8 background = settings.transparent ? Rgba8{0, 0, 0, 0} : to_rgba8(settings.background);
+  const vec3 s = settings.background, behind(linear(s.r), linear(s.g), linear(s.b));
+  for_each_row(color.height(), [&](int y) {
+    const vec4* from = color.row(y);
+    Rgba8* to = &rgba8.at(0, y);
+    for (int x = 0; x < color.width(); ++x) {
+      vec4 c = from[x];
+      if (!(c.a > 0)) {
+        to[x] = background;
+        continue;
+      }
+      c.a = std::min(c.a, 1.0f);
+      vec3 straight = settings.transparent ? vec3(c) / c.a : vec3(c) + (1 - c.a) * behind;
+      to[x] = {encoder(straight.r), encoder(straight.g), encoder(straight.b),
+               settings.transparent ? std::uint8_t(c.a * 255 + 0.5f) : std::uint8_t(255)};
+    }
   });
 }
 

@@ -111,6 +111,9 @@ class GpuCloud {
       }
   }
 
+  /// Those, for loops of the processor.
+  const std::vector<ResidentCloud::Places>& places() const { return resident_->places(); }
+
   const std::vector<Rgba8>& colors() const { return colors_->values(); }
   const std::shared_ptr<const Colors>& shared_colors() const { return colors_; }
   void set_colors(std::shared_ptr<const Colors> colors);

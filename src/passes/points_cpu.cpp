@@ -55,11 +55,10 @@ std::vector<BatchInView> batches_in_view(GpuCloud& cloud, const View& view) {
 
 /// The uniforms of points_to_pixels.comp, and its functions.
 struct Visitor {
-  Visitor(GpuCloud& cloud, const View& view, const PointVisit& asked, const Image<float>& limits,
-          PointsCpu::Pairs& nearest)
+  Visitor(GpuCloud& cloud, const View& view, const PointVisit& asked, PointsCpu::Pairs& nearest)
       : eye(view),
         visit(asked),
-        reference(asked.reference ? limits.data() : nullptr),
+        reference(asked.reference ? asked.reference->peek<float>().data() : nullptr),
         foot(asked.footprint),
         cut(cloud.cut()),
         pairs(nearest.data()),
@@ -237,6 +236,73 @@ SFUMATO_WIDE void visit_batch(const Visitor& visitor, const Points& points, std:
   for (std::uint32_t i = first; i < first + batch.count; ++i) visitor.point(points, i, batch);
 }
 
+/// points_resolve.glsl and places.glsl.
+class Resolver {
+ public:
+  Resolver(GpuCloud& cloud, const View& view, const gl::Texture& depth_bits, const gl::Texture& index,
+           bool with_normals)
+      : eye_(view),
+        bits_(depth_bits.peek<std::uint32_t>()),
+        sources_(index.peek<std::uint32_t>()),
+        has_normals_(with_normals && cloud.has_normals()) {
+    for (const ResidentCloud::Places& part : cloud.places())
+      parts_.push_back(
+          {part.first, part.count, static_cast<const std::uint32_t*>(part.values.buffer().memory())});
+    for (std::size_t c = 0; c < cloud.chunks().size(); ++c)
+      chunks_.push_back(
+          {cloud.chunks()[c].first, cloud.chunks()[c].count, Points(cloud, c, {has_normals_, false, true})});
+  }
+
+  void row(int y, vec4* colors, float* depths, vec4* normals) const {
+    const std::uint32_t *bits = bits_.row(y), *sources = sources_.row(y);
+    for (int x = 0; x < bits_.width(); ++x) {
+      colors[x] = vec4(0), depths[x] = std::numeric_limits<float>::infinity();
+      if (normals) normals[x] = vec4(0, 0, 0, 1);
+      if (sources[x] == ~0u) continue;
+      const auto [points, i] = point_of(sources[x]);
+      if (!points) continue;
+      const float depth = std::bit_cast<float>(bits[x]);
+      colors[x] = vec4(points->linear_color(i), 1), depths[x] = depth;
+      if (!normals) continue;
+      if (has_normals_) {
+        const vec3 normal = points->normal(i);
+        const vec3 ray(eye_.slopes_x[std::size_t(x)], eye_.slopes_y[std::size_t(y)], -1);
+        const vec3 to_camera = eye_.orthographic ? vec3(0, 0, 1) : -depth * ray;
+        // Unoriented: towards the camera.
+        const bool away = glm::dot(eye_.turned(normal), to_camera) < 0;
+        normals[x] = vec4(away ? -normal : normal, 1);
+      }
+      if (points->shadow) normals[x].w = points->shadow[i];
+    }
+  }
+
+ private:
+  /// Its chunk and its number there; null where the cloud has none of that source index.
+  std::pair<const Points*, std::uint32_t> point_of(std::uint32_t source) const {
+    for (const Part& part : parts_) {
+      if (source - part.first >= part.count) continue;
+      const std::uint32_t place = part.places[source - part.first];
+      for (const Chunk& chunk : chunks_)
+        if (place - chunk.first < chunk.count) return {&chunk.points, place - chunk.first};
+    }
+    return {nullptr, 0};
+  }
+
+  struct Part {
+    std::uint32_t first, count;
+    const std::uint32_t* places;
+  };
+  struct Chunk {
+    std::uint32_t first, count;
+    Points points;
+  };
+  Eye eye_;
+  const Image<std::uint32_t>&bits_, &sources_;
+  bool has_normals_;
+  std::vector<Part> parts_;
+  std::vector<Chunk> chunks_;
+};
+
 }  // namespace
 
 void PointsCpu::begin(int width, int height) {
@@ -246,28 +312,33 @@ void PointsCpu::begin(int width, int height) {
 
 void PointsCpu::begin(const gl::Texture& depth_bits, const gl::Texture* index) {
   begin(depth_bits.width(), depth_bits.height());
-  depth_bits.download(depth_bits_);
-  if (index) index->download(index_);
+  const std::uint32_t *bits = depth_bits.peek<std::uint32_t>().data(),
+                      *numbers = index ? index->peek<std::uint32_t>().data() : nullptr;
   for (std::size_t i = 0; i < pairs_.size(); ++i)
-    pairs_.data()[i] = std::uint64_t(depth_bits_.data()[i]) << 32 | (index ? index_.data()[i] : ~0u);
+    pairs_.data()[i] = std::uint64_t(bits[i]) << 32 | (numbers ? numbers[i] : ~0u);
 }
 
-const Image<std::uint32_t>& PointsCpu::words(Image<std::uint32_t>& out, int shift) const {
+void PointsCpu::words(Image<std::uint32_t>& out, int shift) const {
   if (out.width() != pairs_.width() || out.height() != pairs_.height())
     out = Image<std::uint32_t>(pairs_.width(), pairs_.height());
-  std::transform(pairs_.begin(), pairs_.end(), out.begin(),
-                 [&](std::uint64_t pair) { return std::uint32_t(pair >> shift); });
-  return out;
+  for_each_row(pairs_.height(), [&](int y) {
+    std::transform(pairs_.row(y), pairs_.row(y) + pairs_.width(), &out.at(0, y),
+                   [&](std::uint64_t pair) { return std::uint32_t(pair >> shift); });
+  });
 }
 
-void PointsCpu::end(gl::Texture& depth_bits, gl::Texture* index) {
-  depth_bits.upload(words(depth_bits_, 32));
-  if (index) index->upload(words(index_, 0));
+void PointsCpu::end(gl::Texture& depth_bits, gl::Texture* index) const {
+  const auto give = [&](gl::Texture& texture, int shift) {
+    Image<std::uint32_t> image = texture.blank<std::uint32_t>();
+    words(image, shift);
+    texture.give(std::move(image));
+  };
+  give(depth_bits, 32);
+  if (index) give(*index, 0);
 }
 
 void PointsCpu::visit(GpuCloud& cloud, const View& view, const PointVisit& visit) {
-  if (visit.reference) visit.reference->download(reference_);
-  const Visitor visitor(cloud, view, visit, reference_, pairs_);
+  const Visitor visitor(cloud, view, visit, pairs_);
   std::vector<Points> chunks;
   for (std::size_t c = 0; c < cloud.chunks().size(); ++c)
     chunks.emplace_back(cloud, c, Points::Reads{visitor.oriented, false, false});
@@ -278,6 +349,19 @@ void PointsCpu::visit(GpuCloud& cloud, const View& view, const PointVisit& visit
     visit_batch(visitor, chunks[of.chunk], of.batch->first - cloud.chunks()[of.chunk].first, *of.batch);
     return true;
   });
+}
+
+void resolve_points(GpuCloud& cloud, const View& view, const gl::Texture& depth_bits,
+                    const gl::Texture& index, gl::Texture& albedo, gl::Texture& depth, gl::Texture* normal) {
+  wait_for_gl();
+  const Resolver resolver(cloud, view, depth_bits, index, normal != nullptr);
+  Image<vec4> colors = albedo.blank<vec4>(), normals = normal ? normal->blank<vec4>() : Image<vec4>();
+  Image<float> depths = depth.blank<float>();
+  for_each_row(colors.height(), [&](int y) {
+    resolver.row(y, &colors.at(0, y), &depths.at(0, y), normal ? &normals.at(0, y) : nullptr);
+  });
+  albedo.give(std::move(colors)), depth.give(std::move(depths));
+  if (normal) normal->give(std::move(normals));
 }
 
 }  // namespace sfumato

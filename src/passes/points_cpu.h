@@ -30,19 +30,26 @@ class PointsCpu {
   void begin(const gl::Texture& depth_bits, const gl::Texture* index);
   /// Lowers them to the nearest points of the batches in view.
   void visit(GpuCloud& cloud, const View& view, const PointVisit& visit);
-  const Image<std::uint32_t>& depth_bits() { return words(depth_bits_, 32); }
+  const Image<std::uint32_t>& depth_bits() {
+    words(depth_bits_, 32);
+    return depth_bits_;
+  }
   /// Into textures of their size; `index` may be null.
-  void end(gl::Texture& depth_bits, gl::Texture* index);
+  void end(gl::Texture& depth_bits, gl::Texture* index) const;
 
   /// The least pairs of depth (bits of a float, above) and source index (below); all bits: nothing. Of lists
   /// entry k of pixel (x, y) is at (x, y + k height).
   using Pairs = Image<std::uint64_t>;
 
  private:
-  const Image<std::uint32_t>& words(Image<std::uint32_t>& out, int shift) const;
+  void words(Image<std::uint32_t>& out, int shift) const;
   Pairs pairs_;
-  Image<std::uint32_t> depth_bits_, index_;
-  Image<float> reference_;
+  Image<std::uint32_t> depth_bits_;
 };
+
+/// points_resolve.glsl: attributes of the points whose depths and source indices those are, into textures of
+/// their size; `normal` may be null.
+void resolve_points(GpuCloud& cloud, const View& view, const gl::Texture& depth_bits,
+                    const gl::Texture& index, gl::Texture& albedo, gl::Texture& depth, gl::Texture* normal);
 
 }  // namespace sfumato

@@ -190,6 +190,14 @@ void PointsToPixels::draw_lists(GpuCloud& cloud, const View& view, const Footpri
 void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& layer, gl::Timers& timers,
                              bool with_normals) {
   auto timing = timers.scope("resolve");
+  gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
+  gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
+  if (with_normals) gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
+  if (is_on_cpu()) {
+    resolve_points(cloud, view, layer.depth_bits, layer.index, layer.albedo, layer.depth,
+                   with_normals ? &layer.normal : nullptr);
+    return;
+  }
   ScreenPass& pass = resolve_[with_normals * 1 + (with_normals && cloud.has_normals()) * 2 +
                               (with_normals && cloud.has_shadow()) * 4];
   if (!pass) {
@@ -203,9 +211,6 @@ void PointsToPixels::resolve(GpuCloud& cloud, const View& view, PixelLayer& laye
     }
     pass = ScreenPass("passes/points_resolve.glsl", formats, defines);
   }
-  gl::ensure(layer.albedo, "albedo", GL_RGBA32F, view.width(), view.height());
-  gl::ensure(layer.depth, "eye depth", GL_R32F, view.width(), view.height());
-  if (with_normals) gl::ensure(layer.normal, "normal", GL_RGBA32F, view.width(), view.height());
   if (cloud.chunks().empty()) {
     layer.albedo.clear(vec4(0));
     layer.depth.clear(vec4(INFINITY));

@@ -18,16 +18,20 @@ struct Surface {
       normal;  ///< RGBA32F: world normal or 0 (then the light falls straight on); w = shadow factor m
 };
 
+/// As shaders/lighting.glsl has it.
+vec4 light_in_eye(const View& view, const Light& light, const dvec3& cloud_origin);
+
 /// Sets the uniforms of shaders/lighting.glsl (`light_eye`, `phong`) and shaders/shading.glsl (`palette`) for
 /// a program that lights points itself.
 void set_light_uniforms(gl::Program& program, const View& view, const RenderSettings& settings,
                         const Light& light, const dvec3& cloud_origin);
 
+/// By the processor where OpenGL is software.
 class Shade {
  public:
   /// Writes the shaded colour, premultiplied, into `color` (RGBA32F).
   void run(const View& view, const RenderSettings& settings, const Light& light, const dvec3& cloud_origin,
-           const Surface& surface, const gl::Texture& color);
+           const Surface& surface, gl::Texture& color);
 
  private:
   std::map<int, ScreenPass> passes_;  ///< by shading

@@ -375,22 +375,20 @@ void SplatCpu::add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend
 void SplatCpu::normalize(const View& view, const Sums& sums, Surface& surface) {
   const Eye eye(view);
   const int width = view.width();
-  if (surface.depth.width() != width || surface.depth.height() != sums.color.height())
-    surface = {Image<vec4>(width, sums.color.height()), Image<vec4>(width, sums.color.height()),
-               Image<float>(width, sums.color.height())};
   const glm::mat3 cloud_from_eye = glm::transpose(glm::mat3(eye.eye_from_cloud));
   tbb::parallel_for(0, sums.rows, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const vec4 color = sums.color.at(x, y);
-      vec4 &albedo = surface.albedo.at(x, y), &normal = surface.normal.at(x, y);
+      const int row = sums.first_row + y;
+      vec4 &albedo = surface.albedo.at(x, row), &normal = surface.normal.at(x, row);
       albedo = vec4(0), normal = vec4(0, 0, 0, 1);
-      float& depth = surface.depth.at(x, y);
+      float& depth = surface.depth.at(x, row);
       depth = std::numeric_limits<float>::infinity();
       if (!(color.a > 0)) continue;
       const vec4 mean = sums.normal.at(x, y) / color.a;
-      const vec3 slope = eye.orthographic ? vec3(0, 0, -1)
-                                          : vec3(eye.slopes_x[std::size_t(x)],
-                                                 eye.slopes_y[std::size_t(sums.first_row + y)], -1);
+      const vec3 slope = eye.orthographic
+                             ? vec3(0, 0, -1)
+                             : vec3(eye.slopes_x[std::size_t(x)], eye.slopes_y[std::size_t(row)], -1);
       // On an outline, half of it beyond: then it is seen from the side.
       const vec3 facing =
           vec3(mean) - std::max(glm::dot(vec3(mean), slope), 0.0f) / glm::dot(slope, slope) * slope;

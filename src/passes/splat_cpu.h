@@ -48,7 +48,7 @@ class SplatCpu {
   void add_up(GpuCloud& cloud, const View& view, const SplatBlend& blend, float epsilon,
               const Image<float>& nearest, const std::function<void(const Sums&)>& take) const;
 
-  /// The surface from those sums, as splat_normalize.glsl writes it.
+  /// The surface of a picture from those sums of its rows, as splat_normalize.glsl writes it.
   struct Surface {
     Image<vec4> albedo, normal;
     Image<float> depth;

@@ -1,6 +1,8 @@
 #include "passes/splat_surface.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "passes/bindings.h"
 
@@ -9,9 +11,11 @@ namespace sfumato {
 void SplatSurface::draw_nearest(GpuCloud& cloud, const View& view, const SplatShape& shape,
                                 const SplatBatches& batches, const SplatShift& shift, float epsilon) {
   if (SplatCpu::is_used()) {
-    nearest_here_ = Image<float>(view.width(), view.height(), std::numeric_limits<float>::infinity());
-    cpu_.find_nearest(cloud, view, shape, batches, shift, epsilon, nearest_here_);
-    set_nearest(nearest_here_);
+    gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
+    Image<float> nearest = nearest_t_.blank<float>();
+    std::fill(nearest.begin(), nearest.end(), std::numeric_limits<float>::infinity());
+    cpu_.find_nearest(cloud, view, shape, batches, shift, epsilon, nearest);
+    nearest_t_.give(std::move(nearest));
     return;
   }
   gl::ensure(nearest_t_, "nearest ray distance", GL_R32F, view.width(), view.height());
@@ -61,13 +65,13 @@ void SplatSurface::draw(GpuCloud& cloud, const View& view, SplatShape shape, con
   if (SplatCpu::is_used()) {
     auto timing = timers.scope("accumulate");
     make(targets, view);
-    SplatCpu::Surface surface;
-    cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_, [&](const SplatCpu::Sums& sums) {
-      SplatCpu::normalize(view, sums, surface);
-      targets.albedo.upload_rows(surface.albedo, sums.first_row, sums.rows);
-      targets.depth.upload_rows(surface.depth, sums.first_row, sums.rows);
-      targets.normal.upload_rows(surface.normal, sums.first_row, sums.rows);
-    });
+    SplatCpu::Surface surface{targets.albedo.blank<vec4>(), targets.normal.blank<vec4>(),
+                              targets.depth.blank<float>()};
+    cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_t_.peek<float>(),
+                [&](const SplatCpu::Sums& sums) { SplatCpu::normalize(view, sums, surface); });
+    targets.albedo.give(std::move(surface.albedo));
+    targets.normal.give(std::move(surface.normal));
+    targets.depth.give(std::move(surface.depth));
     return;
   }
   add_up(cloud, view, shape, blend, timers);
@@ -88,10 +92,10 @@ void SplatSurface::accumulate(GpuCloud& cloud, const View& view, const SplatShap
   set_nearest(nearest);
   if (SplatCpu::is_used()) {
     auto timing = timers.scope("accumulate");
-    nearest_here_ = nearest;
-    cpu_.find_nearest(cloud, view, behind, batches_, shift_of(blend), epsilon_of(blend), nearest_here_);
+    Image<float> lowered = nearest;
+    cpu_.find_nearest(cloud, view, behind, batches_, shift_of(blend), epsilon_of(blend), lowered);
     make_sums(view);
-    cpu_.add_up(cloud, view, blend, epsilon_of(blend), nearest_here_, [&](const SplatCpu::Sums& sums) {
+    cpu_.add_up(cloud, view, blend, epsilon_of(blend), lowered, [&](const SplatCpu::Sums& sums) {
       color_sum_.upload_rows(sums.color, sums.first_row, sums.rows);
       normal_sum_.upload_rows(sums.normal, sums.first_row, sums.rows);
     });

@@ -57,7 +57,6 @@ class SplatSurface {
   SplatRaster nearest_, accumulate_[6];
   SplatVisit visit_;
   SplatCpu cpu_;
-  Image<float> nearest_here_;  ///< of `cpu_`: nearest_t_
   ScreenPass deeper_side_, normalize_;
   void make_sums(const View& view);
   void see(GpuCloud& cloud, const View& view, const SplatShape& shape, const SplatBlend& blend,

@@ -669,7 +669,7 @@ RenderOutput Renderer::render_at_once(std::span<const Item> items, const Camera&
   out.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   for (auto& [name, ms] : timers.results()) out.timings.push_back({name, ms});
 
-  if (wants.color) out.rgba8 = s.rgba8.download<Rgba8>();
+  if (wants.color) out.rgba8 = s.rgba8.take<Rgba8>();
   if (wants.color_linear) {
     gl::ensure(s.linear, "linear picture", GL_RGBA32F, camera.width, camera.height);
     s.finish.run_linear(settings, color, s.linear);

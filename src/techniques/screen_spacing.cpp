@@ -106,8 +106,7 @@ Image<std::uint32_t> DiscEvidence::points(Frame& frame, const Camera& camera, Sc
       .download<std::uint32_t>();
 }
 
-void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale,
-                         const gl::Texture& albedo) {
+void DiscEvidence::apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, gl::Texture& albedo) {
   if (find(frame, frame.camera, spacings, radius_scale))
     evidence_.apply(albedo, frame.target.depth, frame.target.normal);
 }

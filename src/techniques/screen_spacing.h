@@ -48,7 +48,7 @@ class DiscEvidence {
   const gl::Texture* find(Frame& frame, const Camera& camera, ScreenSpacings& spacings, float radius_scale);
   /// Once discs of `radius_scale` are drawn into `albedo`, depth and normal of the target. What is larger
   /// than usual may cover as much more.
-  void apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, const gl::Texture& albedo);
+  void apply(Frame& frame, ScreenSpacings& spacings, float radius_scale, gl::Texture& albedo);
   /// Of a part of a cloud: which pixels its points vouch for, in a view with a band around it, as
   /// VisiblePoints::vouching. Nothing is there where nothing is to be taken away.
   Image<std::uint32_t> points(Frame& frame, const Camera& camera, ScreenSpacings& spacings,

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "passes/finish.h"
+#include "passes/shade.h"
 #include "reference/gl_fixture.h"
 
 using namespace sfumato;
@@ -71,6 +72,35 @@ class FinishCpuTest : public GlTest {
     EXPECT_LE(differ, a.size() / 5000);
   }
 
+  gl::Texture color_texture(const Image<vec4>& image) {
+    gl::Texture out("colours", GL_RGBA32F, image.width(), image.height());
+    out.upload(image);
+    return out;
+  }
+  /// By how much a pixel differs that is shaded by shaders and by the processor.
+  float shading_differs_by(const RenderSettings& settings) {
+    Camera camera = camera_at({0, -8, 0}, depth_.width(), depth_.height());
+    camera.projection = projection_;
+    camera.height_world = 6;
+    camera.near_plane = 1, camera.far_plane = 20;
+    const gl::Texture albedo = color_texture(color_), normal = color_texture(normal_);
+    gl::Texture depth("depth", GL_R32F, depth_.width(), depth_.height());
+    depth.upload(depth_);
+    Image<vec4> shaded[2];
+    for (int k = 0; k < 2; ++k) {
+      const WithPreference<gl::Place> with(&gl::Preferences::finish,
+                                           k == 0 ? gl::Place::gpu : gl::Place::cpu);
+      gl::Texture out("shaded", GL_RGBA32F, depth_.width(), depth_.height());
+      Shade().run(View(camera, dvec3(0)), settings, Light::parse(settings.light_text), dvec3(0),
+                  {albedo, depth, normal}, out);
+      shaded[k] = out.download<vec4>();
+    }
+    float away = 0;
+    for (std::size_t i = 0; i < shaded[0].size(); ++i)
+      away = std::max(away, glm::length(shaded[0].data()[i] - shaded[1].data()[i]));
+    return away;
+  }
+
   Image<float> depth_;
   Image<vec4> color_, normal_;
   Relief::Options relief_;
@@ -132,4 +162,70 @@ TEST_F(FinishCpuTest, ATinyPicture) {
 TEST_F(FinishCpuTest, NothingAskedChangesNothing) {
   const Image<vec4> same = finished(gl::Place::cpu);
   for (std::size_t i = 0; i < same.size(); ++i) ASSERT_EQ(same.data()[i], color_.data()[i]);
+}
+
+// Powers of a driver are good to some 1e-4 of what they are.
+TEST_F(FinishCpuTest, Shading) {
+  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+    projection_ = projection;
+    for (const char* light : {"shoulder", "headlight", "3,-9,4", "dir:1,-2,1"}) {
+      RenderSettings settings;
+      settings.light_text = light;
+      settings.phong.ambient.user = 0.2f, settings.phong.diffuse.user = 0.8f;
+      settings.phong.specular.user = 0.5f;
+      EXPECT_LT(shading_differs_by(settings), 1e-3f) << light;
+    }
+    for (const Shading shading : {Shading::albedo, Shading::normals, Shading::depth}) {
+      RenderSettings settings;
+      settings.shading = shading;
+      EXPECT_LT(shading_differs_by(settings), 1e-3f) << int(shading);
+    }
+  }
+  RenderSettings categories;
+  categories.shading = Shading::albedo;
+  categories.palette = {vec3(0.1f, 0.2f, 0.9f), vec3(0.9f, 0.5f, 0), vec3(0.3f)};
+  EXPECT_LT(shading_differs_by(categories), 1e-6f);
+}
+
+// The nearest code of the formula in doubles, but where it lies between two.
+TEST_F(FinishCpuTest, BackgroundAndCodes) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (vec4& c : color_) {
+    const float a = uniform(random) < 0.2f ? 0.0f : uniform(random) < 0.5f ? 1.0f : uniform(random);
+    c = vec4(a * 1.1f * uniform(random), a * uniform(random) * uniform(random), a * 0.01f * uniform(random),
+             a);
+  }
+  const vec3 behind(0.23f, 0.28f, 0.37f);
+  const auto linear = [](double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); };
+  const auto code = [](double v) {
+    v = std::clamp(v, 0.0, 1.0);
+    return 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
+  };
+  for (const bool transparent : {false, true}) {
+    RenderSettings settings;
+    settings.background = behind, settings.transparent = transparent;
+    const gl::Texture color = color_texture(color_);
+    Image<Rgba8> coded[2];
+    for (int k = 0; k < 2; ++k) {
+      const WithPreference<gl::Place> with(&gl::Preferences::finish,
+                                           k == 0 ? gl::Place::gpu : gl::Place::cpu);
+      gl::Texture out("codes", GL_RGBA8, color_.width(), color_.height());
+      Finish().run(settings, color, out);
+      coded[k] = out.download<Rgba8>();
+    }
+    for (std::size_t i = 0; i < color_.size(); ++i) {
+      const vec4 c = color_.data()[i];
+      const Rgba8 by_shader = coded[0].data()[i], here = coded[1].data()[i];
+      const std::uint8_t shader[] = {by_shader.r, by_shader.g, by_shader.b, by_shader.a},
+                         cpu[] = {here.r, here.g, here.b, here.a};
+      for (int k = 0; k < 4; ++k) ASSERT_LE(std::abs(shader[k] - cpu[k]), 1) << i;
+      for (int k = 0; k < 3; ++k) {
+        const double a = c.a,
+                     value = transparent ? (a > 0 ? c[k] / a : 0) : c[k] + (1 - a) * linear(behind[k]);
+        ASSERT_NEAR(cpu[k], code(value), 0.502) << i;
+      }
+      ASSERT_NEAR(cpu[3], transparent ? 255 * c.a : 255, 0.502) << i;
+    }
+  }
 }

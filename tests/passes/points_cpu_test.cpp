@@ -20,7 +20,8 @@ class PointsCpuTest : public GlTest {
     std::uniform_real_distribution<float> uniform(-1, 1);
     PointCloud cloud = sphere_among_strays(random);
     for (std::size_t k = 0; k < 3000; k += 10) cloud.positions[4000 + k] = cloud.positions[k];
-    prepared_ = analysis::prepare(std::move(cloud), {}, {});
+    prepared_ = analysis::prepare(std::move(cloud), Attribute::normal, {});
+    for (std::size_t i = 0; i < prepared_.cloud.size(); i += 50) prepared_.cloud.normals[i] = vec3(0);
     for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) {
       dots_.push_back({0.5f + std::abs(uniform(random)), 0.5f + 0.5f * uniform(random)});
       opacity_.push_back(0.5f + 0.5f * uniform(random));
@@ -53,6 +54,35 @@ class PointsCpuTest : public GlTest {
     }
     EXPECT_GT(covered, bits[0].size() / 100);
     return differ;
+  }
+  /// Resolves the same points by shaders and by the processor.
+  void expect_same_attributes(bool with_normals) {
+    footprint_ = {SizeMode::world, 0.05f};
+    PixelLayer layers[2];
+    for (int k = 0; k < 2; ++k) {
+      const WithPreference<gl::Place> with(&gl::Preferences::points,
+                                           k == 0 ? gl::Place::gpu : gl::Place::cpu);
+      PointsToPixels to_pixels;
+      gl::Timers timers(false);
+      to_pixels.draw(*gpu_, view(), footprint_, layers[k], timers);
+      to_pixels.resolve(*gpu_, view(), layers[k], timers, with_normals);
+    }
+    const auto farthest = [](const Image<vec4>& a, const Image<vec4>& b) {
+      float away = 0;
+      for (std::size_t i = 0; i < a.size(); ++i)
+        away = std::max(away, glm::length(a.data()[i] - b.data()[i]));
+      return away;
+    };
+    // A driver's power of 2.4 is good to some 1e-4, normals are unit vectors of floats.
+    EXPECT_LT(farthest(layers[0].albedo.download<vec4>(), layers[1].albedo.download<vec4>()), 5e-4f);
+    const Image<float> a = layers[0].depth.download<float>(), b = layers[1].depth.download<float>();
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << i;
+    if (!with_normals) return;
+    const Image<vec4> normals = layers[1].normal.download<vec4>();
+    EXPECT_LT(farthest(layers[0].normal.download<vec4>(), normals), 1e-5f);
+    std::size_t known = 0;
+    for (const vec4& n : normals) known += glm::length(vec3(n)) > 0.5f;
+    EXPECT_GT(known, normals.size() / 100);
   }
   /// Drivers take powers of two, mixes and planes with other roundings: a rim flips now and then.
   std::size_t few() const { return std::size_t(camera_.width * camera_.height) / 1000; }
@@ -121,6 +151,19 @@ TEST_F(PointsCpuTest, FromEveryCamera) {
   EXPECT_LE(differing(), few());
   camera_ = camera_at({0.4, -2.5, 0.5}, 640, 480).tile(250, 130, 200, 160);
   EXPECT_LE(differing(), few());
+}
+
+// Of points in several chunks, with and without normals and shadows.
+TEST_F(PointsCpuTest, Attributes) {
+  expect_same_attributes(true);
+  expect_same_attributes(false);
+  gpu_->set_shadow(opacity_);
+  expect_same_attributes(true);
+  camera_.projection = Projection::orthographic;
+  camera_.height_world = 2;
+  expect_same_attributes(true);
+  camera_ = camera_at({0.4, -2.5, 0.5}, 640, 480).tile(250, 130, 200, 160);
+  expect_same_attributes(true);
 }
 
 TEST_F(PointsCpuTest, BehindAReferenceCutAndByOpacity) {

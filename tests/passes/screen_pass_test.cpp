@@ -42,6 +42,44 @@ TEST_F(Passes, FragmentAndComputeWrappersAgree) {
   EXPECT_NEAR(results[0].at(5, 7).r, 255 * srgb, 0.6);
 }
 
+// What loops of the processor hand on is what passes read, and the other way round.
+TEST_F(Passes, TexturesHoldWhatWasLastGivenToThem) {
+  const auto filled = [](float value) { return Image<vec4>(5, 3, vec4(value, value, value, 1)); };
+  const RenderSettings settings;
+  Finish finish;
+  gl::Texture color("color", GL_RGBA32F, 5, 3), linear("linear", GL_RGBA32F, 5, 3);
+  const auto by_shader = [&] {
+    finish.run_linear(settings, color, linear);
+    return linear.download<vec4>().at(4, 2).r;
+  };
+  color.upload(filled(0.125f));
+  EXPECT_EQ(color.peek<vec4>().at(4, 2).r, 0.125f);
+  color.give(filled(0.25f));
+  EXPECT_EQ(color.download<vec4>().at(4, 2).r, 0.25f);
+  EXPECT_EQ(color.download<vec3>().at(4, 2).r, 0.25f);
+  EXPECT_EQ(by_shader(), 0.25f);
+  EXPECT_EQ(color.peek<vec4>().at(4, 2).r, 0.25f);
+  Image<vec4> image = color.take<vec4>();
+  image.at(4, 2).r = 0.5f;
+  color.give(std::move(image));
+  EXPECT_EQ(by_shader(), 0.5f);
+  // Rows beside what was given.
+  color.give(filled(0.75f));
+  color.upload_rows(filled(0), 0, 1);
+  EXPECT_EQ(color.peek<vec4>().at(4, 0).r, 0);
+  EXPECT_EQ(by_shader(), 0.75f);
+  // A pass writes over what is known here.
+  linear.give(filled(0));
+  EXPECT_EQ(by_shader(), 0.75f);
+  EXPECT_EQ(linear.peek<vec4>().at(4, 2).r, 0.75f);
+  color.give(filled(1)), color.clear(vec4(0, 0, 0, 1));
+  EXPECT_EQ(by_shader(), 0);
+  gl::Texture other = std::move(color);
+  other.give(filled(0.5f));
+  color = std::move(other);
+  EXPECT_EQ(by_shader(), 0.5f);
+}
+
 // A filter that writes floats beside integers, as those of depth and index do.
 TEST_F(Passes, BothWrappersWriteFloatsAndIntegers) {
   Image<float> depths(37, 23);

@@ -24,7 +24,8 @@ class SplatCpuTest : public GlTest {
     PointCloud cloud = sphere_among_strays(random);
     cloud.radii.assign(4000, 0.03f);
     while (cloud.radii.size() < cloud.size()) cloud.radii.push_back(0.02f + 0.1f * std::abs(uniform(random)));
-    prepared_ = analysis::prepare(std::move(cloud), {}, {});
+    prepared_ = analysis::prepare(std::move(cloud), Attribute::normal, {});
+    for (std::size_t i = 0; i < prepared_.cloud.size(); i += 50) prepared_.cloud.normals[i] = vec3(0);
     for (std::size_t i = 0; i < prepared_.cloud.size(); ++i) {
       prepared_.on_surface.push_back(std::clamp(1.5f * uniform(random), -1.0f, 1.0f));
       values_.push_back(0.5f + 0.5f * uniform(random));
