@@ -142,13 +142,16 @@ SensorView sensor_view_of(std::span<const dvec3> points, const dvec3& eye, const
   constexpr double near = 0.33;                 // of the median depth; what stands there has less than .1
   const dvec3 right = glm::normalize(glm::cross(along, up)), above = glm::cross(right, along);
   std::vector<double> x, y, depths;
+  std::size_t measured = 0;
   for (const dvec3& p : points) {
+    if (p == eye) continue;  // what sensors write where they see nothing
+    ++measured;
     const double depth = glm::dot(p - eye, along);
     const double u = glm::dot(p - eye, right) / depth, v = glm::dot(p - eye, above) / depth;
     if (depth > 0 && std::max(std::abs(u), std::abs(v)) < cone)
       x.push_back(u), y.push_back(v), depths.push_back(depth);
   }
-  if (!(double(depths.size()) > within * double(points.size()))) return {};
+  if (!(double(depths.size()) > within * double(measured))) return {};
   const int side = std::clamp(int(std::sqrt(double(depths.size()) / 8)), 4, 64);  // eight points a cell
   const Cells cells(x, y, side);
   const glm::dvec2 &low = cells.low, &high = cells.high;

@@ -71,6 +71,28 @@ double ramp(double value, double none, double all) {
   return std::clamp((value - none) / (all - none), 0.0, 1.0);
 }
 
+/// At 0 0 0 sensors put what they do not see.
+bool is_measured(const PointCloud& cloud, std::size_t i) { return cloud.world(i) != dvec3(0); }
+
+/// Of the third of the points at each end: one or two are strays.
+Bounds bounds_of_most(const PointCloud& cloud) {
+  constexpr int n = 3;
+  double low[3][n], high[3][n];  // the lowest and the highest so far, the outermost first
+  for (int k = 0; k < 3; ++k) std::fill_n(low[k], n, HUGE_VAL), std::fill_n(high[k], n, -HUGE_VAL);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_measured(cloud, i)) continue;
+    const dvec3 p = cloud.world(i);
+    for (int k = 0; k < 3; ++k) {
+      double lower = p[k], higher = p[k];
+      for (int j = 0; j < n; ++j) {
+        if (lower < low[k][j]) std::swap(lower, low[k][j]);
+        if (higher > high[k][j]) std::swap(higher, high[k][j]);
+      }
+    }
+  }
+  return {{low[0][n - 1], low[1][n - 1], low[2][n - 1]}, {high[0][n - 1], high[1][n - 1], high[2][n - 1]}};
+}
+
 /// How surely somebody placed it there: its lowest place along an axis is at 0, and 0 is in the middle of it
 /// across.
 double placed(const Bounds& box, UpAxis up) {
@@ -101,6 +123,7 @@ struct Sample {
   explicit Sample(const PointCloud& cloud) {
     const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + sample_size - 1) / sample_size);
     for (std::size_t i = 0; i < cloud.size(); i += stride) {
+      if (!is_measured(cloud, i)) continue;
       points.push_back(cloud.world(i));
       if (cloud.grids.size() == 1 && !cloud.grid_index.empty())
         rows.push_back(row_of(cloud.grids[0], cloud.grid_index[i]));
@@ -605,7 +628,7 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
   for (const Sample::Stand& stand : stands) grounded = std::max(grounded, stand.sure);
   const Facets facets(sample.points, sample.normals, sample.low, sample.high);
   const bool is_box = sample.is_box();
-  const Bounds box = bounds(cloud);
+  const Bounds box = bounds_of_most(cloud);
   const bool is_model = cloud.provenance == Provenance::model;
   double all = 0;
   for (int i = 0; i < 6; ++i) {
@@ -708,6 +731,7 @@ Upright guess_upright(const PointCloud& cloud, Progress& progress) {
   if (const auto up = height_of_map_coordinates(cloud)) return says(*up, "heights of map coordinates");
   progress.check();
   const Sample sample(cloud);
+  if (sample.points.size() < fewest) return upright;
   const Stands stands = stands_of(sample, progress);
   const std::vector<UpCandidate> candidates = candidates_of(cloud, sample, stands, progress);
   const UpCandidate &best = candidates[0], &next = candidates[1];

@@ -493,6 +493,10 @@ TEST(Upright, WhatPhotographsSawIsInTheAxesOfTheFirst) {
   const Upright before = guess_upright(placed({0.3f, -0.2f, 4}, true));
   EXPECT_EQ(before.up, UpAxis::neg_y);
   EXPECT_EQ(before.reason, "guessed: a camera's view: all lies before the origin");
+  PointCloud unseen = placed({0.3f, -0.2f, 4}, true);
+  unseen.positions.insert(unseen.positions.end(), unseen.size() / 20, vec3(0));
+  unseen.colors.resize(unseen.size());
+  EXPECT_EQ(guess_upright(unseen).up, UpAxis::neg_y) << "0 0 0 where the camera saw nothing";
   EXPECT_EQ(guess_upright(placed({0.3f, -0.2f, -4}, true)).up, UpAxis::pos_y) << "as renderers look";
   EXPECT_EQ(guess_upright(placed({0.3f, -0.2f, -4}, false)).up, UpAxis::pos_z) << "scanned";
   EXPECT_EQ(guess_upright(placed({3, 0, 4}, true)).up, UpAxis::pos_z) << "beside where the camera looked";
@@ -933,6 +937,13 @@ TEST(Upright, WhatBeginsAtZeroWasPlacedThere) {
     for (vec3& p : aside.positions) p[(axis + 1) % 3] += 2;
     EXPECT_EQ(evidence(aside), 0);
     EXPECT_EQ(evidence(egg), 0);
+    // Strays and what sensors write where they see nothing are no place that it stands on.
+    PointCloud above = placed;
+    for (vec3& p : above.positions) p[axis] += 2;
+    above.positions.insert(above.positions.end(), 500, vec3(0));
+    for (const float at : {0.001f, -0.001f}) above.positions.push_back(vec3(0.1f, 0.1f, 0.1f) + vec3(at));
+    above.positions.back()[axis] = above.positions[above.size() - 2][axis] = 0;
+    EXPECT_EQ(evidence(above), 0);
   }
 }
 
