@@ -104,7 +104,7 @@ std::string hex_of(const Rgba8& color) {
   return text;
 }
 
-float linear_from_srgb(std::uint8_t channel) {
+const std::array<float, 256>& linear_of_srgb_codes() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> values;
     for (int i = 0; i < 256; ++i) {
@@ -113,7 +113,7 @@ float linear_from_srgb(std::uint8_t channel) {
     }
     return values;
   }();
-  return table[channel];
+  return table;
 }
 
 double luma(const Rgba8& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }

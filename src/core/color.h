@@ -1,6 +1,7 @@
 // Colours as people write them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -17,8 +18,10 @@ std::string nearest_color(std::string_view name);
 Rgba8 to_rgba8(const vec3& srgb);
 /// "#4682b4"
 std::string hex_of(const Rgba8& color);
-/// Linear value of one sRGB channel, 0..1.
-float linear_from_srgb(std::uint8_t channel);
+/// Linear values of the codes of an sRGB channel, 0..1.
+const std::array<float, 256>& linear_of_srgb_codes();
+/// That of one.
+inline float linear_from_srgb(std::uint8_t channel) { return linear_of_srgb_codes()[channel]; }
 /// Luma (Rec. 709) of an sRGB colour, 0 to 255.
 double luma(const Rgba8& color);
 

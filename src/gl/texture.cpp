@@ -10,22 +10,26 @@
 namespace sfumato::gl {
 
 Texture::Texture(const std::string& label, GLenum format, int width, int height, int levels)
-    : width_(width), height_(height), format_(format) {
+    : label_(label), width_(width), height_(height), levels_(levels), format_(format) {
   const int limit = limits().max_texture_size;
   if (width > limit || height > limit)
     throw Error(ErrorCode::usage, "an image of " + std::to_string(width) + "x" + std::to_string(height) +
                                       " is larger than this driver's limit of " + std::to_string(limit) +
                                       " pixels a side; use a smaller --resolution");
+  if (!limits().software) make();
+}
+
+void Texture::make() const {
   for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i) {  // a lost context has no end of them
   }
   glCreateTextures(GL_TEXTURE_2D, 1, &id_);
-  glTextureStorage2D(id_, levels, format, width, height);
-  check_memory(label);
-  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
+  glTextureStorage2D(id_, levels_, format_, width_, height_);
+  check_memory(label_);
+  glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, levels_ > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
   glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glTextureParameteri(id_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   glTextureParameteri(id_, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  glObjectLabel(GL_TEXTURE, id_, GLsizei(label.size()), label.data());
+  glObjectLabel(GL_TEXTURE, id_, GLsizei(label_.size()), label_.data());
 }
 
 Texture Texture::view(const Texture& mipmap, int level, int levels) {
@@ -46,19 +50,20 @@ Texture::~Texture() {
 }
 
 void Texture::set_trilinear_filter() {
+  hand_over();
   glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
 }
 
 void Texture::clear(const vec4& value) {
+  forget(), hand_over();
   glClearTexImage(id_, 0, GL_RGBA, GL_FLOAT, &value);
-  is_here_ = false, is_in_gl_ = true;
 }
 
 void Texture::clear_uint(std::uint32_t value) {
   const std::uint32_t texel[4] = {value, value, value, value};
+  forget(), hand_over();
   glClearTexImage(id_, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, texel);
-  is_here_ = false, is_in_gl_ = true;
 }
 
 namespace {
@@ -117,8 +122,8 @@ void Texture::download(Image<T>& image) const {
 
 template <class T>
 void Texture::upload_rows(const Image<T>& image, int first, int rows) {
-  if (rows < height_) hand_over();
-  is_here_ = false, is_in_gl_ = true;
+  if (rows == height_) forget();
+  hand_over(), is_here_ = false;
   if constexpr (sizeof(T) < 4) glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTextureSubImage2D(id_, 0, 0, first, width_, rows, Transfer<T>::format, Transfer<T>::type, image.data());
 }

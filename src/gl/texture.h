@@ -14,9 +14,9 @@ namespace sfumato::gl {
 class Texture {
  public:
   Texture() = default;
-  /// Immutable storage. More than one level only where the size halves exactly (GL rounds down); a pyramid of
-  /// any size is a list of textures. Filters nearest, clamps to the edge. Throws Error(out_of_memory) or
-  /// Error(usage) beyond the driver's size.
+  /// Immutable storage; software GL has it once GL needs it. More than one level only where the size halves
+  /// exactly (GL rounds down); a pyramid of any size is a list of textures. Filters nearest, clamps to the
+  /// edge. Throws Error(out_of_memory) or Error(usage) beyond the driver's size.
   Texture(const std::string& label, GLenum format, int width, int height, int levels = 1);
   /// One level of `mipmap` as a texture of its own, so that a pass may write one level while it reads
   /// another; or several from that one on.
@@ -33,7 +33,7 @@ class Texture {
     hand_over(), is_here_ = false;
     return id_;
   }
-  explicit operator bool() const { return id_ != 0; }
+  explicit operator bool() const { return width_ > 0; }
   int width() const { return width_; }
   int height() const { return height_; }
   GLenum format() const { return format_; }
@@ -90,8 +90,10 @@ class Texture {
  private:
   void swap(Texture& other) {
     std::swap(id_, other.id_);
+    std::swap(label_, other.label_);
     std::swap(width_, other.width_);
     std::swap(height_, other.height_);
+    std::swap(levels_, other.levels_);
     std::swap(format_, other.format_);
     std::swap(here_, other.here_);
     std::swap(is_here_, other.is_here_);
@@ -103,13 +105,16 @@ class Texture {
   }
   /// Gives GL what it lacks.
   void hand_over() const {
+    if (id_ == 0) make();
     if (!is_in_gl_) send();
   }
+  void make() const;
   void send() const;
   template <class T>
   void fetch(Image<T>& image) const;
-  GLuint id_ = 0;
-  int width_ = 0, height_ = 0;
+  mutable GLuint id_ = 0;  ///< 0: not made yet
+  std::string label_;
+  int width_ = 0, height_ = 0, levels_ = 1;
   GLenum format_ = 0;
   /// Kept where it is no more, as memory for the next.
   mutable std::variant<std::monostate, Image<float>, Image<vec2>, Image<vec3>, Image<vec4>,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
@@ -224,7 +225,7 @@ void apply_evidence(const Image<std::uint8_t>& mask, Image<vec4>& albedo, Image<
                     Image<vec4>& normal) {
   tbb::parallel_for(0, mask.height(), [&](int y) {
     for (int x = 0; x < mask.width(); ++x) {
-      if (mask.at(x, y) > 0) continue;
+      if (mask.at(x, y) > 0 || std::isinf(depth.at(x, y))) continue;
       albedo.at(x, y) = vec4(0), normal.at(x, y) = vec4(0, 0, 0, 1);
       depth.at(x, y) = std::numeric_limits<float>::infinity();
     }

@@ -11,7 +11,7 @@ namespace sfumato {
 /// view with a band of `band` px around these `width` x `height` ones.
 Image<std::uint8_t> evidence_mask(const Image<std::uint32_t>& depth_bits, int band, int width, int height,
                                   const EvidenceReach& reach);
-/// evidence_apply.glsl: empties the pixels that are 0 in `mask`.
+/// evidence_apply.glsl: empties the pixels that are 0 in `mask` and not empty.
 void apply_evidence(const Image<std::uint8_t>& mask, Image<vec4>& albedo, Image<float>& depth,
                     Image<vec4>& normal);
 

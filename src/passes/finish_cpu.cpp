@@ -87,12 +87,13 @@ struct ReliefLoop {
   ReliefLoop(const View& view, const Relief::Options& options, float square, const Bordered& depths,
              const Image<vec2>& openness, const Surfaces* normals)
       : look(options),
-        square_px(square),
         radius_px(Relief::radius_px(options, view.picture_height())),
         orthographic_distance(Relief::orthographic_distance(view)),
         depth(depths),
         open(openness),
         surfaces(normals),
+        columns(between(view.width(), square, openness.width())),
+        rows(between(view.height(), square, openness.height())),
         orthographic(view.camera().orthographic()),
         pixels_per_unit(float(view.camera().pixels_per_unit())) {
     for (int k = 0; k < Relief::scaling_distances; ++k)
@@ -105,14 +106,22 @@ struct ReliefLoop {
   }
 
   /// Between the centres of four squares.
-  [[gnu::always_inline]] vec2 around(int x, int y) const {
-    const vec2 at = (vec2(x, y) + 0.5f) / square_px - 0.5f, low = glm::floor(at), t = at - low;
-    const int x0 = std::clamp(int(low.x), 0, open.width() - 1),
-              y0 = std::clamp(int(low.y), 0, open.height() - 1),
-              x1 = std::clamp(int(low.x) + 1, 0, open.width() - 1),
-              y1 = std::clamp(int(low.y) + 1, 0, open.height() - 1);
-    return (1 - t.x) * (1 - t.y) * open.at(x0, y0) + t.x * (1 - t.y) * open.at(x1, y0) +
-           (1 - t.x) * t.y * open.at(x0, y1) + t.x * t.y * open.at(x1, y1);
+  struct Between {
+    int low, high;
+    float t;
+  };
+  static std::vector<Between> between(int pixels, float square_px, int squares) {
+    std::vector<Between> out;
+    for (int i = 0; i < pixels; ++i) {
+      const float at = (float(i) + 0.5f) / square_px - 0.5f, low = std::floor(at);
+      out.push_back(
+          {std::clamp(int(low), 0, squares - 1), std::clamp(int(low) + 1, 0, squares - 1), at - low});
+    }
+    return out;
+  }
+  [[gnu::always_inline]] vec2 around(const Between& x, const Between& y) const {
+    return (1 - x.t) * (1 - y.t) * open.at(x.low, y.low) + x.t * (1 - y.t) * open.at(x.high, y.low) +
+           (1 - x.t) * y.t * open.at(x.low, y.high) + x.t * y.t * open.at(x.high, y.high);
   }
 
   [[gnu::always_inline]] void look_around(int x, int y, const float* noises, Around& out) const {
@@ -139,34 +148,50 @@ struct ReliefLoop {
     }
   }
 
-  [[gnu::always_inline]] float depth_at(int x, int y, const vec2& away) const {
-    return depth.at(ivec2(glm::floor(vec2(x, y) + 0.5f + away)));
-  }
-  [[gnu::always_inline]] float goes_on(int x, int y, const vec2& away, const vec2& along, float own,
-                                       float behind) const {
-    vec2 off = own - behind - vec2(depth_at(x, y, away + along), depth_at(x, y, away - along));
-    off = glm::min(glm::abs(off), vec2(0.5f * std::abs(off.x + off.y)));
-    const vec2 goes = glm::max(1.0f - 2.0f / behind * off, vec2(0));
-    return 0.5f * goes.x + 0.5f * goes.y;
-  }
-
-  /// Of eye-dome lighting, where something lies in front.
-  [[gnu::always_inline]] float shade(int x, int y, const Around& of, int lane) const {
-    const float own = depth.at(x, y);
-    vec2 toward(0);
-    for (int k = 0; k < compass; ++k) toward += of.bounded[k][lane] * aways[k];
-    float response = 0;
+  /// Of eye-dome lighting, of pixels side by side of which one has something in front.
+  [[gnu::always_inline]] void darken(int x, int y, const Around& of, float* shades) const {
+    const float* own = &depth.at(x, y);
+    float toward_x[lanes] = {}, toward_y[lanes] = {}, response[lanes] = {}, lighter[lanes];
+    for (int k = 0; k < compass; ++k)
+      for (int i = 0; i < lanes; ++i) {
+        const float bounded = of.bounded[k][i] > 0 ? of.bounded[k][i] : 0;  // nothing has no depth
+        toward_x[i] += bounded * aways[k].x, toward_y[i] += bounded * aways[k].y;
+      }
+    const float within = within_radii * radius_px, beside = along_radii * radius_px;
     for (int k = 0; k < compass; ++k) {
-      const float lighter = of.bounded[k][lane];
-      if (lighter <= 0) continue;
-      vec2 way = toward + own_way * lighter * aways[k];
-      way *= 1 / std::sqrt(std::max(glm::dot(way, way), 1e-30f));
-      const vec2 along = along_radii * radius_px * vec2(-way.y, way.x);
-      response +=
-          lighter * goes_on(x, y, aways[k] + within_radii * radius_px * way, along, own, of.behind[k][lane]);
+      float any = 0;
+      for (int i = 0; i < lanes; ++i) any += lighter[i] = of.bounded[k][i] > 0 ? of.bounded[k][i] : 0;
+      if (!(any > 0)) continue;
+      // To both sides of where it was met.
+      int at_x[2][lanes], at_y[2][lanes];
+      for (int i = 0; i < lanes; ++i) {
+        float way_x = toward_x[i] + own_way * lighter[i] * aways[k].x,
+              way_y = toward_y[i] + own_way * lighter[i] * aways[k].y;
+        const float unit = 1 / std::sqrt(std::max(way_x * way_x + way_y * way_y, 1e-30f));
+        way_x *= unit, way_y *= unit;
+        const vec2 middle(aways[k].x + within * way_x, aways[k].y + within * way_y);
+        const float center_x = float(x + i) + 0.5f, center_y = float(y) + 0.5f;
+        at_x[0][i] = int(std::floor(center_x + (middle.x - beside * way_y)));
+        at_y[0][i] = int(std::floor(center_y + (middle.y + beside * way_x)));
+        at_x[1][i] = int(std::floor(center_x + (middle.x + beside * way_y)));
+        at_y[1][i] = int(std::floor(center_y + (middle.y - beside * way_x)));
+      }
+      float there[2][lanes];
+      for (int side = 0; side < 2; ++side)
+        for (int i = 0; i < lanes; ++i) there[side][i] = depth.at(at_x[side][i], at_y[side][i]);
+      for (int i = 0; i < lanes; ++i) {
+        const float behind = of.behind[k][i], a = own[i] - behind - there[0][i],
+                    b = own[i] - behind - there[1][i], half = 0.5f * std::abs(a + b);
+        const float of_a = std::max(1 - 2.0f / behind * std::min(std::abs(a), half), 0.0f),
+                    of_b = std::max(1 - 2.0f / behind * std::min(std::abs(b), half), 0.0f);
+        response[i] += lighter[i] > 0 ? lighter[i] * (0.5f * of_a + 0.5f * of_b) : 0;
+      }
     }
-    const float exponent = response / 8 * 300 * look.edl_strength * 2.2f;
-    return std::exp(-darkest * (1 - std::exp(-exponent / darkest)));
+    for (int i = 0; i < lanes; ++i) {
+      if (!(of.any[i] > 0)) continue;
+      const float exponent = response[i] / 8 * 300 * look.edl_strength * 2.2f;
+      shades[i] *= std::exp(-darkest * (1 - std::exp(-exponent / darkest)));
+    }
   }
 
   [[gnu::always_inline]] static float bounded(float angle, float most) {
@@ -227,16 +252,18 @@ struct ReliefLoop {
       for (int i = 0; i < n; ++i) covered = covered || (own[i] < INFINITY && pixels[i].a > 0);
       if (!covered) continue;
       for (int i = 0; i < n; ++i) {
-        const vec2 here = around(first + i, y);
+        const vec2 here = around(columns[std::size_t(first + i)], rows[std::size_t(y)]);
         const float between = look.spacing * pixels_at(own[i]);
         noises[i] = std::max(look.spacing * glm::smoothstep(fine_px, coarse_px, between), here.y);
         shades[i] = 1 - look.occlusion + look.occlusion * here.x;
       }
-      if (look.edl_strength > 0) look_around(first, y, noises, of);
+      if (look.edl_strength > 0) {
+        look_around(first, y, noises, of);
+        if (std::any_of(of.any, of.any + n, [](float any) { return any > 0; })) darken(first, y, of, shades);
+      }
       if (surfaces) find_ridges(first, y, ridges);
       for (int i = 0; i < n; ++i) {
         if (!(own[i] < INFINITY && pixels[i].a > 0)) continue;
-        if (look.edl_strength > 0 && of.any[i] > 0) shades[i] *= shade(first + i, y, of, i);
         vec3 shaded = vec3(pixels[i]) * shades[i];
         if (surfaces) {
           const float lightest = std::max({shaded.r, shaded.g, shaded.b, 1e-6f});
@@ -259,11 +286,12 @@ struct ReliefLoop {
   float pixels_at(float d) const { return orthographic ? pixels_per_unit : pixels_per_unit / d; }
 
   const Relief::Options& look;
-  float square_px, radius_px, orthographic_distance;
+  float radius_px, orthographic_distance;
   int scaling_px[Relief::scaling_distances];
   const Bordered& depth;
   const Image<vec2>& open;
   const Surfaces* surfaces;  ///< null without radiance scaling
+  std::vector<Between> columns, rows;
   bool orthographic;
   float pixels_per_unit;
   vec2 aways[compass];

@@ -94,7 +94,7 @@ struct Points {
   }
   vec3 linear_color(std::uint32_t i) const {
     const Rgba8 srgb = colors[i];
-    return {linear_from_srgb(srgb.r), linear_from_srgb(srgb.g), linear_from_srgb(srgb.b)};
+    return {linear[srgb.r], linear[srgb.g], linear[srgb.b]};
   }
 
   const vec3* positions = nullptr;
@@ -103,6 +103,7 @@ struct Points {
   const Rgba8* colors = nullptr;
   const void* field = nullptr;
   const float *opacity = nullptr, *shadow = nullptr;
+  const float* linear = linear_of_srgb_codes().data();
 };
 
 [[gnu::always_inline]] inline bool is_cut(const GpuCloud::Cut& cut, const vec3& position) {

@@ -135,7 +135,7 @@ void BinTable::add_weights(const Hits& hits, const BinOptions& options) {
   if (SplatCpu::is_used() && !options.fast) {  // sums of the loop are no floats
     Image<std::uint32_t> first_bin(view.width(), view.height(), 0xffffffffu);
     const BinCounts counts =
-        denoise::add_weights(cloud, view, shape, batches, nearest_t.download<float>(), options,
+        denoise::add_weights(cloud, view, shape, batches, nearest_t.peek<float>(), options,
                              {Words(weights_).all, Words(keys_).all, slots_, first_bin});
     first_bin_.upload(first_bin);
     counters_.buffer().upload(&counts, sizeof counts);
@@ -180,8 +180,8 @@ void BinTable::add_attributes(const Hits& hits, const BinOptions& options) {
   const auto& [cloud, view, shape, batches, nearest_t, asked, timers] = hits;
   auto timing = timers.scope("attributes");
   if (SplatCpu::is_used() && !options.fast) {
-    denoise::add_attributes(cloud, view, shape, batches, nearest_t.download<float>(),
-                            choice_.download<vec4>(), options, {Words(sums_).all, stride_});
+    denoise::add_attributes(cloud, view, shape, batches, nearest_t.peek<float>(), choice_.peek<vec4>(),
+                            options, {Words(sums_).all, stride_});
     return;
   }
   const bool shadow = cloud.has_shadow();

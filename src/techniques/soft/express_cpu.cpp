@@ -122,8 +122,8 @@ void ExpressCpu::draw(const SoftPoints& points, const Order& order, const View& 
   points.shapes().buffer().download(shapes_.data(), shapes_.size() * sizeof(vec4));
   points.looks().buffer().download(looks_.data(), looks_.size() * sizeof(glm::uvec4));
   order.list->buffer().download(slots_.data(), slots_.size() * sizeof(std::uint32_t));
-  const Image<float> solid = solid_t.download<float>();
-  Image<vec4> picture = color.download<vec4>();
+  const Image<float>& solid = solid_t.peek<float>();
+  Image<vec4> picture = color.take<vec4>();
 
   list_bands(order, std::uint32_t(view.height()));
   const std::uint32_t bands = std::uint32_t(starts_.size()) - 1;
@@ -133,7 +133,7 @@ void ExpressCpu::draw(const SoftPoints& points, const Order& order, const View& 
     progress.check();
     if (starts_[band + 1] > starts_[band]) blend_band(band, view, solid, picture);
   });
-  color.upload(picture);
+  color.give(std::move(picture));
 }
 
 }  // namespace sfumato::soft
