@@ -10,6 +10,7 @@
 
 #include "analysis/facets.h"
 #include "analysis/sensor_view.h"
+#include "core/coloring.h"
 #include "core/order.h"
 
 namespace sfumato::analysis {
@@ -160,7 +161,8 @@ struct Sample {
   struct Picture {
     double seen = 0, turned = 0;
   };
-  Picture seen_along(int axis, bool positive, bool colored) const;
+  Picture seen_along(int axis, bool positive, bool colored, bool photographed = false) const;
+  bool is_all_before() const;
 
   double downwards(int axis) const;
   double turned_about(const dvec3& lidar, int axis) const;
@@ -202,7 +204,7 @@ using Stands = std::array<Sample::Stand, 6>;  ///< of each UpAxis
 /// was shifted to its middle has the origin far below it. Or its lines of sight are in rows and columns, or
 /// end at the sides of an image and not of a plan. What many photographs saw has colours and the axes of the
 /// first camera, which it is before.
-Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const {
+Sample::Picture Sample::seen_along(int axis, bool positive, bool colored, bool photographed) const {
   // The sign of y: of 12 public pictures of pixels the custom holds for all, of 21 other sources for 14. The
   // rows of an organised file say it without a custom. More of what is level is seen from its side along y
   // than from the other, as floors and tables are, where a tenth of all is so surely: that says it in 25 of
@@ -217,6 +219,10 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
   along[axis] = positive ? 1 : -1;
   const SensorView view =
       sensor_view_of(points, dvec3(0), along, axis == 1 ? dvec3(0, 0, 1) : dvec3(0, 1, 0));
+  if (view.width == 0 && photographed && axis == 2 && positive && is_all_before()) {
+    const double seen = of_photographs * (1 - lies(axis));
+    return {seen, seen * not_of_pixels};
+  }
   if (view.is_narrow()) return {};
   const double one = is_one_picture(view), image = is_image(view);
   const bool is_afar = axis == 2 && positive && view.afar;
@@ -233,6 +239,19 @@ Sample::Picture Sample::seen_along(int axis, bool positive, bool colored) const 
   const double opposite = std::max(-opposed * floors, unsure * std::min(1 - floors, 1.0));
   const double turned = sign == custom ? opposite : 1 - opposite;
   return {seen, seen * turned};
+}
+
+/// Seen along z nothing lies behind the origin nor near it, and most within 60 degrees: what several cameras
+/// that looked about the same way saw, in the axes of the first.
+bool Sample::is_all_before() const {
+  constexpr double behind = 0.005, nearest = 0.02, near = 0.33;  // of the points, and of the median depth
+  constexpr double cone = 1.73, within = 0.75;                   // tan 60 degrees
+  std::vector<double> depths;
+  for (const dvec3& p : points) depths.push_back(p.z);
+  return share([&](const dvec3& p) { return std::max(std::abs(p.x), std::abs(p.y)) < cone * p.z; }) >
+             within &&
+         value_at_share(depths, behind) > 0 &&
+         value_at_share(depths, nearest) > near * value_at_share(depths, 0.5);
 }
 
 /// How far down rows run that lie side by side before the origin along an axis: the correlation of a row's
@@ -598,7 +617,9 @@ std::vector<UpCandidate> candidates_of(const PointCloud& cloud, const Sample& sa
   const bool colored = !cloud.colors.empty();
   const Sample::Picture ahead =
       cloud.up == UpAxis::pos_z ? sample.seen_along(0, true, false) : Sample::Picture{};
-  Sample::Picture before = sample.seen_along(2, true, colored);
+  // Who has -Y for convention says nothing new by that.
+  const bool photographed = cloud.up != UpAxis::neg_y && are_of_photographs(cloud.colors);
+  Sample::Picture before = sample.seen_along(2, true, colored, photographed);
   const Sample::Picture behind = sample.seen_along(2, false, colored);
   before.seen = std::max(before.seen, ramp(-sample.mean_normal.z, 0.4, 0.5));
   camera[int(UpAxis::pos_z)] = ahead.seen;

@@ -506,6 +506,35 @@ TEST(Upright, WhatPhotographsSawIsInTheAxesOfTheFirst) {
     EXPECT_EQ(each.evidence[std::size_t(UpEvidence::camera)], 0) << to_string(each.up);
 }
 
+// Cameras that moved along a street in the axes of the first: no one picture holds it, but all lies before
+// them.
+TEST(Upright, WhatSeveralCamerasSawLiesBeforeTheFirst) {
+  std::mt19937 random(59);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud street;
+  for (int i = 0; i < 20'000; ++i) {
+    street.positions.push_back(
+        {-4 + 23 * unit(random) * unit(random), -5 + 8 * unit(random), 4 + 6 * unit(random)});
+    street.colors.push_back({std::uint8_t(random()), std::uint8_t(random()), 90, 255});
+  }
+  street.up = UpAxis::pos_z;
+  const auto evidence = [](const PointCloud& cloud) {
+    for (const UpCandidate& each : up_candidates(cloud))
+      if (each.up == UpAxis::neg_y) return each.evidence[std::size_t(UpEvidence::camera)];
+    return -1.0;
+  };
+  EXPECT_GT(evidence(street), 0.4);
+  EXPECT_EQ(guess_upright(street).up, UpAxis::neg_y);
+  PointCloud labels = street, around = street, elsewhere = street;
+  labels.colors.assign(labels.size(), Rgba8{90, 120, 60, 255});
+  for (vec3& p : around.positions) p.z -= 7;
+  for (vec3& p : elsewhere.positions) p.x += 60;
+  for (const PointCloud& none : {labels, around, elsewhere}) {
+    EXPECT_EQ(evidence(none), 0);
+    EXPECT_NE(guess_upright(none).up, UpAxis::neg_y);
+  }
+}
+
 // Whoever shifts the plan of a tile to its middle and keeps its heights has the origin below it, as before a
 // camera that looks up; photographs coloured it.
 TEST(Upright, ATileOverTheOriginIsNoPicture) {
