@@ -83,7 +83,11 @@ class FinishCpuTest : public GlTest {
     camera.projection = projection_;
     camera.height_world = 6;
     camera.near_plane = 1, camera.far_plane = 20;
-    const gl::Texture albedo = color_texture(color_), normal = color_texture(normal_);
+    Image<vec4> normals = normal_;  // some turned away, some in shadow
+    for (int y = 0; y < normals.height(); ++y)
+      for (int x = 0; x < normals.width(); ++x)
+        if (x % 3 == 0) normals.at(x, y) *= vec4(-1, -1, -1, 0.4f);
+    const gl::Texture albedo = color_texture(color_), normal = color_texture(normals);
     gl::Texture depth("depth", GL_R32F, depth_.width(), depth_.height());
     depth.upload(depth_);
     Image<vec4> shaded[2];
