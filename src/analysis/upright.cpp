@@ -81,9 +81,10 @@ Bounds bounds_of_most(const PointCloud& cloud) {
   double low[3][n], high[3][n];  // the lowest and the highest so far, the outermost first
   for (int k = 0; k < 3; ++k) std::fill_n(low[k], n, HUGE_VAL), std::fill_n(high[k], n, -HUGE_VAL);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!is_measured(cloud, i)) continue;
     const dvec3 p = cloud.world(i);
     for (int k = 0; k < 3; ++k) {
+      if (p[k] >= low[k][n - 1] && p[k] <= high[k][n - 1]) continue;  // nearly all
+      if (!is_measured(cloud, i)) break;
       double lower = p[k], higher = p[k];
       for (int j = 0; j < n; ++j) {
         if (lower < low[k][j]) std::swap(lower, low[k][j]);
