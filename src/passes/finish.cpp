@@ -31,11 +31,8 @@ void PostProcessing::run(const View& view, const Relief::Options& relief, bool w
     Image<vec4> here = color.take<vec4>();
     if (relief.any()) {
       auto timing = timers.scope("relief");
-      const Relief::Openness openness = relief_.find_openness(view, relief, depth);
-      gl::end_stretch();
       static const Image<vec4> none;
-      shade_relief(view, relief, openness.square_px, depth.peek<float>(), openness.squares.download<vec2>(),
-                   relief.scaling > 0 ? normal.peek<vec4>() : none, here);
+      shade_relief(view, relief, depth.peek<float>(), relief.scaling > 0 ? normal.peek<vec4>() : none, here);
     }
     if (with_smooth_outlines) {
       auto timing = timers.scope("smooth outlines");

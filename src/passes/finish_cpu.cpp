@@ -10,6 +10,7 @@
 
 #include "core/wide.h"
 #include "passes/loops_cpu.h"
+#include "passes/openness_cpu.h"
 #include "passes/shaders_cpu.h"
 
 namespace sfumato {
@@ -516,9 +517,10 @@ class Encoder {
 
 }  // namespace
 
-void shade_relief(const View& view, const Relief::Options& options, float square_px,
-                  const Image<float>& depth, const Image<vec2>& openness, const Image<vec4>& normal,
-                  Image<vec4>& color) {
+void shade_relief(const View& view, const Relief::Options& options, const Image<float>& depth,
+                  const Image<vec4>& normal, Image<vec4>& color) {
+  const Image<vec2> openness = find_openness(view, options, depth);
+  const float square_px = Relief::octaves(options, view.picture_height()).square_px();
   const float farthest = (1 + along_radii + within_radii) * Relief::radius_px(options, view.picture_height());
   const Bordered bordered(depth, int(std::ceil(farthest)) + 1);
   std::optional<Surfaces> surfaces;

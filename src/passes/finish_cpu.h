@@ -11,11 +11,9 @@
 
 namespace sfumato {
 
-/// relief.glsl on `color`. `openness`: of squares, with the noise of the depth in them; `normal` is read for
-/// radiance scaling.
-void shade_relief(const View& view, const Relief::Options& options, float square_px,
-                  const Image<float>& depth, const Image<vec2>& openness, const Image<vec4>& normal,
-                  Image<vec4>& color);
+/// Relief on `color`; `normal` is read for radiance scaling.
+void shade_relief(const View& view, const Relief::Options& options, const Image<float>& depth,
+                  const Image<vec4>& normal, Image<vec4>& color);
 
 /// Antialiases `color` at outlines and depth edges.
 void smooth_outlines(const View& view, const Image<float>& depth, Image<vec4>& color);

@@ -13,7 +13,7 @@ namespace {
 constexpr float usual_height = 720;
 /// Distances of the octaves at that height: 6 px to 96 px, an eighth of it.
 constexpr float first_octave_px = 6;
-constexpr int octaves = 5, fine_octaves = 2;
+constexpr int all_octaves = 5, fine_octaves = 2;
 /// 1 to 8 px at that height.
 constexpr float finest_scaling_px = 1;
 /// Squares of 32 px: elsewhere nothing is covered.
@@ -29,7 +29,7 @@ int finest_level(int picture_height, int levels) {
 }  // namespace
 
 int Relief::reach_px(const Options& options, int picture_height) {
-  const float farthest = std::exp2(float(octaves - 1)) * first_octave_px;
+  const float farthest = std::exp2(float(all_octaves - 1)) * first_octave_px;
   // Squares, and those that noise is measured in.
   return int(std::ceil(widened(picture_height) * std::max(farthest, options.edl_radius))) + 2 * (2 << levels);
 }
@@ -48,7 +48,13 @@ float Relief::orthographic_distance(const View& view) {
   return float(view.picture_height() / view.camera().pixels_per_unit() / (2 * std::tan(glm::radians(22.5))));
 }
 
-Relief::Openness Relief::find_openness(const View& view, const Options& options, const gl::Texture& depth) {
+Relief::Octaves Relief::octaves(const Options& options, int picture_height) {
+  return {finest_level(picture_height, levels), first_octave_px * widened(picture_height),
+          options.coarse ? fine_octaves : 0, options.occlusion > 0 ? all_octaves : 0};
+}
+
+void Relief::find_openness(const View& view, const Octaves& octaves, const Options& options,
+                           const gl::Texture& depth) {
   view.bind();
   const int last = 1 << levels, width = (depth.width() + last - 1) / last * last,
             height = (depth.height() + last - 1) / last * last;
@@ -65,27 +71,25 @@ Relief::Openness Relief::find_openness(const View& view, const Options& options,
     coarser_.set("is_first", l == 0).set("width_px", float(2 << l));
     coarser_.run({l == 0 ? &depth : &views_[std::size_t(l - 1)]}, {&views_[std::size_t(l)]});
   }
-  const int finest = finest_level(view.picture_height(), levels);
-  const gl::Texture& squares = views_[std::size_t(finest)];
+  const gl::Texture& squares = views_[std::size_t(octaves.finest)];
   gl::ensure(openness_, "openness", GL_RG32F, squares.width(), squares.height());
   occlusion_.set("levels", levels)
-      .set("finest", finest)
-      .set("octaves", options.occlusion > 0 ? octaves : 0)
-      .set("first_octave", options.coarse ? fine_octaves : 0);
-  occlusion_.set("first_px", first_octave_px * widened(view.picture_height()))
-      .set("spacing", options.spacing);
+      .set("finest", octaves.finest)
+      .set("octaves", octaves.end)
+      .set("first_octave", octaves.first);
+  occlusion_.set("first_px", octaves.first_px).set("spacing", options.spacing);
   occlusion_.set("point_noise", options.noise).set("sensor", vec4(options.sensor, options.sensor_noise));
   if (gl::limits().software) gl::finish();  // see Tiles
-  occlusion_.run({views_[tile_level], 1 << (tile_level - finest)}, {&pyramid_}, {&openness_},
+  occlusion_.run({views_[tile_level], 1 << (tile_level - octaves.finest)}, {&pyramid_}, {&openness_},
                  {vec4(1, 0, 0, 0)});
-  return {openness_, float(2 << finest)};
 }
 
 void Relief::run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
                  const gl::Texture& normal, const gl::Texture& out) {
-  const Openness openness = find_openness(view, options, depth);
+  const Octaves over = octaves(options, view.picture_height());
+  find_openness(view, over, options, depth);
   if (!relief_) relief_ = ScreenPass("passes/relief.glsl", {GL_RGBA32F});
-  relief_.set("square_px", openness.square_px)
+  relief_.set("square_px", over.square_px())
       .set("radius_px", radius_px(options, view.picture_height()))
       .set("strength", options.edl_strength)
       .set("occlusion", options.occlusion)

@@ -2,6 +2,7 @@
 // picture: one pass for all that has a depth.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "gl/texture.h"
@@ -37,12 +38,16 @@ class Relief {
   void run(const View& view, const Options& options, const gl::Texture& color, const gl::Texture& depth,
            const gl::Texture& normal, const gl::Texture& out);
 
-  /// The first half of it: ambient occlusion alone, of squares.
-  struct Openness {
-    const gl::Texture& squares;  ///< RG32F: openness, and noise of the depth, scene units
-    float square_px;
+  static constexpr int levels = 6;  ///< squares of 2 to 64 px: whole in tiles, which begin at 64 px
+  /// Distances over which ambient occlusion looks around, each twice the one before, in a picture so high.
+  struct Octaves {
+    int finest;      ///< level whose squares it is found for
+    float first_px;  ///< of octave 0
+    int first, end;  ///< which are looked over
+    float square_px() const { return float(2 << finest); }
+    float away_px(int octave) const { return std::exp2(float(octave)) * first_px; }
   };
-  Openness find_openness(const View& view, const Options& options, const gl::Texture& depth);
+  static Octaves octaves(const Options& options, int picture_height);
   /// A distance to compare depths with where there is no eye: that of a camera of 45 degrees that sees as
   /// much.
   static float orthographic_distance(const View& view);
@@ -57,7 +62,10 @@ class Relief {
   static int reach_px(const Options& options, int picture_height);
 
  private:
-  static constexpr int levels = 6;  ///< squares of 2 to 64 px: whole in tiles, which begin at 64 px
+  /// Ambient occlusion of squares, with the noise of the depth in them.
+  void find_openness(const View& view, const Octaves& octaves, const Options& options,
+                     const gl::Texture& depth);
+
   gl::Texture pyramid_, openness_;
   std::vector<gl::Texture> views_;
   ScreenPass coarser_, occlusion_, relief_;

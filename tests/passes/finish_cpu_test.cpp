@@ -131,6 +131,9 @@ TEST_F(FinishCpuTest, LooksAsByShaders) {
   relief_.median_spacing = 0.04f;  // .8 to 3 px
   expect_alike("ridges of points");
   relief_.occlusion = 1;
+  relief_.coarse = true;
+  expect_alike("without the finest octaves");
+  relief_.coarse = false;
   relief_.sensor = vec3(2, -1, -3), relief_.sensor_noise = 0.0002f;
   expect_alike("noise of a sensor");
 }
@@ -149,6 +152,8 @@ TEST_F(FinishCpuTest, ATileOfALargePicture) {
   relief_.sensor = vec3(2, -1, -3), relief_.sensor_noise = 0.0002f;
   outlines_ = true, relief_.edl_strength = 0.4f, relief_.occlusion = 1, relief_.scaling = 0.25f;
   expect_alike("all");
+  whole_ = {7680, 4320};
+  expect_alike("of squares of 16 px");
 }
 
 // What a shader would clamp lies outside of a picture smaller than the reach.
@@ -161,6 +166,8 @@ TEST_F(FinishCpuTest, ATinyPicture) {
   color_.at(4, 2) = vec4(0);
   outlines_ = true, relief_.edl_strength = 1, relief_.edl_radius = 9, relief_.scaling = 1;
   expect_alike("all");
+  relief_.occlusion = 1;
+  expect_alike("and occlusion");
 }
 
 TEST_F(FinishCpuTest, NothingAskedChangesNothing) {
