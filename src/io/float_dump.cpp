@@ -1,6 +1,6 @@
-// Scans of vehicles as bare little-endian floats without a header: KITTI (x y z intensity), nuScenes (and a
-// ring), dumps of Velodyne, Ouster and Livox drivers (ring, time and more). The file says nowhere how many
-// floats a point has.
+// Points as little-endian floats without a header. Easy3D's come in blocks behind their counts. Scans of
+// vehicles have none: KITTI (x y z intensity), nuScenes (and a ring), dumps of Velodyne, Ouster and Livox
+// drivers (ring, time and more). The file says nowhere how many floats a point has.
 //
 // With the right number of columns each holds one kind of value; with a wrong one all are mixed. Of the
 // numbers of columns, the one with the shortest code is taken: numbers coded as normal deviates of their
@@ -11,6 +11,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "core/counted.h"
 #include "io/columns.h"
@@ -140,6 +141,71 @@ std::vector<std::string> names_of(const std::vector<float>& sample, std::size_t 
   return names;
 }
 
+/// Easy3D's: a count (int32) and so many times three floats, for places, colours and normals each; of the two
+/// that may lack the count is 0, or they end the file.
+struct CountedBlocks {
+  std::size_t points = 0;
+  std::uint64_t colors = 0, normals = 0;  ///< where their floats begin, bytes; 0 where there are none
+};
+
+std::optional<CountedBlocks> find_counted_blocks(const File& file) {
+  constexpr std::uint64_t three_floats = 3 * sizeof(float);
+  CountedBlocks found;
+  std::uint64_t at = 0;
+  for (int block = 0; block < 3 && at < file.size(); ++block) {
+    std::int32_t count = 0;
+    if (file.size() - at < sizeof count) return std::nullopt;
+    file.read(at, std::as_writable_bytes(std::span(&count, 1)));
+    at += sizeof count;
+    if (block == 0) found.points = std::size_t(std::max(count, 0));
+    if (found.points == 0 || (count != 0 && std::size_t(count) != found.points)) return std::nullopt;
+    if (count == 0) continue;
+    if (block == 1) found.colors = at;
+    if (block == 2) found.normals = at;
+    at += found.points * three_floats;
+    if (at > file.size()) return std::nullopt;
+  }
+  return at == file.size() ? std::optional(found) : std::nullopt;
+}
+
+ReadResult read_counted_blocks(const File& file, const CountedBlocks& blocks, Progress& progress) {
+  std::vector<Column> columns;
+  const auto add = [&](std::uint64_t begin, std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      columns.push_back({name, StoredType::float32, StoredType::float32, begin, 3 * sizeof(float)});
+      begin += sizeof(float);
+    }
+  };
+  add(sizeof(std::int32_t), {"x", "y", "z"});
+  if (blocks.colors > 0) add(blocks.colors, {"red", "green", "blue"});
+  if (blocks.normals > 0) add(blocks.normals, {"nx", "ny", "nz"});
+  assign_roles(columns);
+  constexpr std::size_t step = 1 << 16, three_floats = 3 * sizeof(float);
+  std::vector<std::byte> bytes(columns.size() / 3 * step * three_floats);
+  std::vector<std::uint64_t> begins;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (k % 3 == 0) begins.push_back(columns[k].offset);
+    columns[k].offset = (k / 3 * step * 3 + k % 3) * sizeof(float);
+  }
+  CloudBuilder builder(std::move(columns), blocks.points);
+  std::vector<CloudBuilder::Cursor> cursors{builder.cursor(0, blocks.points)};
+  for (std::size_t first = 0; first < blocks.points; first += step) {
+    progress.check();
+    const std::size_t count = std::min(step, blocks.points - first);
+    for (std::size_t k = 0; k < begins.size(); ++k)
+      file.read(begins[k] + first * three_floats,
+                std::span(bytes).subspan(k * step * three_floats, count * three_floats));
+    builder.decode(cursors[0], bytes.data(), 0, count, first);
+    progress.update(double(first + count) / double(blocks.points), "reading");
+  }
+  ReadResult result;
+  builder.finish(cursors, result);
+  if (result.report.points_finite == 0) refuse(file, "found numbers that are none");
+  result.cloud.provenance = Provenance::model;
+  result.report.notes.emplace_back("taken as Easy3D's blocks: a count, then places, colours and normals");
+  return result;
+}
+
 }  // namespace
 
 ReadResult read_floats(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
@@ -152,6 +218,8 @@ ReadResult read_floats(const std::filesystem::path& path, const ReadOptions& opt
         "another layout");
   std::vector<std::string> names = options.columns;
   if (names.empty()) {
+    if (const std::optional<CountedBlocks> blocks = find_counted_blocks(file))
+      return read_counted_blocks(file, *blocks, progress);
     const std::size_t columns = find_columns(file, floats);
     names = names_of(sample_of(file, floats, columns), columns);
   } else if (floats % names.size() != 0) {

@@ -72,6 +72,9 @@ ReadResult read_stl(const std::filesystem::path& file, const ReadOptions& option
 bool is_off(std::string_view head);
 ReadResult read_off(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 
+bool is_expe(std::string_view head);
+ReadResult read_expe(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
+
 bool is_e57(std::string_view head);
 ReadResult read_e57(const std::filesystem::path& file, const ReadOptions& options, Progress& progress);
 

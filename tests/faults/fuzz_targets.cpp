@@ -59,9 +59,9 @@ void read_cloud(std::string_view bytes) {
 
 constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".ply", pcd[] = ".pcd",
                obj[] = ".obj", off[] = ".off", stl[] = ".stl", vtk[] = ".vtk", vtp[] = ".vtp", e57[] = ".e57",
-               ptx[] = ".ptx", pts[] = ".pts", text[] = ".xyz", npy[] = ".npy", npz[] = ".npz",
-               draco[] = ".drc", kitti[] = ".bin", grid[] = ".asc", colmap[] = ".bin", splat[] = ".splat",
-               ksplat[] = ".ksplat";
+               ptx[] = ".ptx", pts[] = ".pts", expe[] = ".pts", text[] = ".xyz", npy[] = ".npy",
+               npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin", grid[] = ".asc", colmap[] = ".bin",
+               splat[] = ".splat", ksplat[] = ".ksplat";
 
 void read_mesh(std::string_view bytes) {
   // Text tells its format itself.
@@ -149,6 +149,7 @@ const std::map<std::string, FuzzTarget>& fuzz_targets() {
                                                         {"e57", read_cloud<e57>},
                                                         {"ptx", read_cloud<ptx>},
                                                         {"pts", read_cloud<pts>},
+                                                        {"expe", read_cloud<expe>},
                                                         {"text", read_cloud<text>},
                                                         {"npy", read_cloud<npy>},
                                                         {"kitti", read_cloud<kitti>},

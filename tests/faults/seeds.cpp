@@ -133,6 +133,13 @@ std::vector<Seed> seeds() {
 #ifdef SFUMATO_DRACO
   add("draco", ".drc", draco_cloud());
 #endif
+  const std::string expe = "property position 12\nproperty color 4\nnofpoints 2\ndata\n";
+  add("expe", ".pts",
+      "[Expe/PointSet/Binary/0.1]\n" + expe + bytes_of(1.0f, 2.0f, 3.0f, 77, 4.0f, 5.0f, 6.0f, 88));
+  add("expe", ".pts",
+      "[Expe/PointSet/Ascii/0.2]\nproperty position 3 r32\nproperty radius 1 r32\nnofpoints 2\ndata\n"
+      "1,2,3 ; 0.5\n4,5,6 ; 0.5\n");
+  add("kitti", ".bin", bytes_of(1, 1.0f, 2.0f, 3.0f, 1, 0.5f, 0.5f, 0.5f, 1, 0.0f, 0.0f, 1.0f));
   add("kitti", ".bin", bytes_of(1.0f, 2.0f, 3.0f, 0.5f, 4.0f, 5.0f, 6.0f, 1.0f));
   const std::string head = "ncols 3\nnrows 2\nxllcorner 1\nyllcorner 2\ncellsize 0.5\nNODATA_value -9\n";
   add("grid", ".asc", head + "1 2 3\n4 -9 6\n");

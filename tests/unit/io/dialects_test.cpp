@@ -1,4 +1,4 @@
-// Twenty files in the dialects of programs that surveyors, mappers and roboticists use, written down from
+// Files in the dialects of programs that surveyors, mappers and roboticists use, written down from
 // what those programs write: where the points are, how many, and their colours.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -238,6 +238,49 @@ std::vector<DialectFile> dialects() {
        6400,
        {},
        [](const PointCloud& c) { EXPECT_TRUE(c.scalar("ring") && c.scalar("time")); }});
+  const auto up_z = [](const PointCloud& c) { EXPECT_NEAR(c.normals.at(0).z, 1, 1e-6); };
+  const auto easy3d = [](bool has_colors, bool has_normals) {
+    const int points = 70;
+    const auto block = [&](bool has, const std::function<dvec3(int)>& one) {
+      std::string bytes = test::bytes_of(std::int32_t(has ? points : 0));
+      for (int i = 0; i < points && has; ++i)
+        for (int k = 0; k < 3; ++k) bytes += test::bytes_of(float(one(i)[k]));
+      return bytes;
+    };
+    return block(true, [](int i) { return ground(i); }) +
+           block(has_colors, [](int i) { return dvec3(i / 100.0, 0.2, 1); }) +
+           block(has_normals, [](int) { return dvec3(0, 0, 1); });
+  };
+  add({"easy3d.bin", easy3d(false, true), ground(0), ground(69), 70, {}, up_z});
+  add({"easy3d_colors.bin", easy3d(true, true), ground(0), ground(69), 70, Rgba8{0, 51, 255, 255}, up_z});
+  add({"easy3d_places.bin", easy3d(false, false), ground(0), ground(69), 70});
+  std::string expe =
+      "[Expe/PointSet/Binary/0.1]\nproperty position 12\nproperty radius 4\nproperty normal 12\n"
+      "property color 4\nnofpoints 60\ndata\n";
+  for (int i = 0; i < 60; ++i) {
+    const dvec3 p = ground(i);
+    expe += test::bytes_of(float(p.x), float(p.y), float(p.z), 0.5f, 0.0f, 0.0f, 1.0f) +
+            test::bytes_of(std::uint8_t(9), std::uint8_t(8), std::uint8_t(7), std::uint8_t(255));
+  }
+  add({"expe.pts", expe, ground(0), ground(59), 60, Rgba8{9, 8, 7, 255}, up_z});
+  add({"expe_ascii.pts",
+       "[Expe/PointSet/Ascii/0.2]\nproperty position 3 r32\nproperty radius 1 r32\nproperty normal 3 r32\n"
+       "property color 4 ui8\nnofpoints 60\ndata\n" +
+           lines(60,
+                 [&](int i) {
+                   const dvec3 p = ground(i);
+                   return line("%f,%f,%f ; %f ; %f,%f,%f ; %d,%d,%d,%d\n", p.x, p.y, p.z, 0.6, 0.0, 0.0, 1.0,
+                               9, 8, 7, 255);
+                 }),
+       ground(0), ground(59), 60, Rgba8{9, 8, 7, 255}, up_z});
+  add({"expe_shares.pts",
+       "[Expe/PointSet/Ascii/0.2]\nproperty position 3 r32\nproperty color 4 ui8\nnofpoints 60\ndata\n" +
+           lines(60,
+                 [&](int i) {
+                   const dvec3 p = ground(i);
+                   return line("%f,%f,%f ; %g,%g,%g,%g\n", p.x, p.y, p.z, 1.0, 0.2, 0.0, 1.0);
+                 }),
+       ground(0), ground(59), 60, Rgba8{255, 51, 0, 255}});
   std::string ply =
       "ply\nformat binary_little_endian 1.0\nelement vertex 60\nproperty double x\nproperty double y\n"
       "property double z\nproperty ushort red\nproperty ushort green\nproperty ushort blue\nend_header\n";
@@ -257,7 +300,7 @@ std::vector<DialectFile> dialects() {
 
 TEST(Dialects, AllAreReadRight) {
   const std::vector<DialectFile> all = dialects();
-  EXPECT_EQ(all.size(), 21u);
+  EXPECT_EQ(all.size(), 27u);
   for (const DialectFile& file : all) {
     SCOPED_TRACE(file.name);
     std::optional<io::ReadResult> read;
@@ -276,6 +319,34 @@ TEST(Dialects, AllAreReadRight) {
     EXPECT_EQ(cloud.colors.empty(), !file.color);
     if (file.color && !cloud.colors.empty()) EXPECT_EQ(cloud.colors[0], *file.color);
     if (file.more) file.more(cloud);
+  }
+}
+
+TEST(Dialects, PointSetsThatEndEarlyAreReadAsFarAsTheyGo) {
+  for (const DialectFile& file : dialects())
+    if (std::string(file.name).starts_with("expe")) {
+      EXPECT_GT(test::expect_cuts_are_safe(file.name, file.bytes, file.points), 0) << file.name;
+      const io::ReadResult half =
+          io::read(test::write_file(file.name, file.bytes.substr(0, file.bytes.size() / 2)));
+      EXPECT_EQ(half.cloud.size() + half.report.points_missing, file.points) << file.name;
+      EXPECT_EQ(half.report.points, file.points) << file.name;
+      EXPECT_EQ(half.report.damage.size(), 1u) << file.name;
+    }
+}
+
+// Headers of which nothing can be read name the line.
+TEST(Dialects, HeadersOfPointSetsThatSayNoPlacesAreRefused) {
+  for (const auto& [header, says] :
+       {std::pair("nofpoints 1\ndata\n", "position"),
+        {"property position 12\ndata\n", "number of points"},
+        {"property position x\nnofpoints 1\ndata\n", "line 2"},
+        {"property position 12\nproperty a 200\nproperty b 900\nnofpoints 1\ndata\n", "256 numbers"},
+        {"property position 3 r99\nnofpoints 1\ndata\n", "r99"},
+        {"property position 12\nnofpoints 1\n", "data"}}) {
+    const std::string bytes = std::string("[Expe/PointSet/Binary/0.1]\n") + header + std::string(12, '\0');
+    const std::optional<Error> error = test::error_of(test::write_file("a.pts", bytes));
+    ASSERT_TRUE(error) << header;
+    EXPECT_THAT(error->what(), testing::HasSubstr(says));
   }
 }
 
