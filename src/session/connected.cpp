@@ -158,8 +158,13 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
   std::vector<Part> voxels, narrower, parts;
   merge(keyed, voxels, [&](Part& part, std::uint32_t i) { add_point(part, points[i], usual.min); });
   std::vector<std::uint32_t> root;
-  Connected best{usual, {}};
-  int joined = 0;  // doublings of the edge of what joins the best
+  struct Found {
+    Bounds box;
+    double size = 0;
+    std::uint64_t voxel = 0;  // one of it
+    int joined = 0;           // doublings of the edge of what joins it
+  };
+  Found best{usual}, shown{usual};  // and with what goes on from it
   double highest = -std::numeric_limits<double>::infinity();
   for (int doublings = 0;; ++doublings) {
     progress.check();
@@ -169,7 +174,18 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
       const double size = part.size();
       if (size < edge) continue;  // what a pixel of the usual picture holds is a place in it
       const double score = std::log(part.points) - gain * std::log(size);
-      if (score > highest) highest = score, best = {{part.low, part.high}, {}}, joined = doublings;
+      if (score <= highest) continue;
+      highest = score;
+      best = shown = {{part.low, part.high}, size, voxels[std::size_t(&part - parts.data())].key, doublings};
+    }
+    // Voxels that touch hold points up to two edges apart.
+    if (doublings > best.joined && 2 * std::ldexp(edge, doublings) <= gap_that_shows * best.size) {
+      const auto voxel =
+          std::lower_bound(voxels.begin(), voxels.end(), wider(best.voxel, doublings - best.joined),
+                           [](const Part& each, std::uint64_t key) { return each.key < key; });
+      const Part& part = parts[root[std::size_t(voxel - voxels.begin())]];
+      const bool is_too_much = part.size() > (1 + most_added) * best.size;
+      shown = is_too_much ? best : Found{{part.low, part.high}, part.size(), voxel->key, doublings};
     }
     if (std::count(root.begin(), root.end(), root[0]) == std::ptrdiff_t(root.size())) break;
     progress.check();
@@ -178,9 +194,9 @@ Connected connected(std::span<const dvec3> points, const Bounds& usual, double g
     for (std::uint32_t i = 0; i < narrower.size(); ++i) keyed[i] = {wider(narrower[i].key, 1), i};
     merge(keyed, voxels, [&](Part& part, std::uint32_t i) { part.add(narrower[i]); });
   }
-  tbb::parallel_for(std::size_t(0), keys.size(), [&](std::size_t i) { keys[i] = wider(keys[i], joined); });
-  best.members = members_of(points, best.box, usual.min, keys);
-  return best;
+  tbb::parallel_for(std::size_t(0), keys.size(),
+                    [&](std::size_t i) { keys[i] = wider(keys[i], shown.joined); });
+  return {shown.box, members_of(points, shown.box, usual.min, keys)};
 }
 
 }  // namespace sfumato

@@ -176,16 +176,12 @@ Subject within(const Subject& subject, const Reach& around) {
 
 namespace {
 
-/// What shows of a picture, some 20 px of one 720 px high, and the most that it grows by for what few points
-/// have, in shares of its height or width.
-constexpr double shows = 0.03, most_added = 0.5;
-
 /// Where values in order that begin at `end` end, if it goes on without a gap that shows; `end` where it
 /// would go on too far.
 double end_without_gap(std::span<const double> beyond, double end, double extent) {
   double last = end;
   for (const double next : beyond) {
-    if (std::abs(next - last) > shows * extent) break;
+    if (std::abs(next - last) > gap_that_shows * extent) break;
     last = next;
   }
   return std::abs(last - end) > most_added * extent ? end : last;

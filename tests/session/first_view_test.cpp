@@ -234,6 +234,26 @@ TEST(FirstView, TheCornerOfATileBeyondAGapIsNotCut) {
   }
 }
 
+// Land and water, of which a fiftieth as much comes back: the frame of the land alone would cut it. What lies
+// beyond a gap, or is much larger, stays outside.
+TEST(FirstView, WhatThinsOutWithoutAGapIsNotCut) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<float> unit(0, 1);
+  const auto tile_of = [&](int points, float first, float width) {
+    PointCloud tile;
+    tile.up = UpAxis::pos_z;
+    for (int i = 0; i < 90'000; ++i) tile.positions.push_back({60 * unit(random), 60 * unit(random), 0});
+    for (int i = 0; i < points; ++i)
+      tile.positions.push_back({first + width * unit(random), 60 * unit(random), 0});
+    return tile;
+  };
+  const auto farthest = [](const PointCloud& cloud) { return pose_of(cloud).subject.box.max.x; };
+  EXPECT_NEAR(farthest(tile_of(2000, 60, 26)), 86, 0.5);
+  for (const float gap : {3.0f, 6.0f})
+    EXPECT_NEAR(farthest(tile_of(2000, 60 + gap, 26)), 60, 0.5) << "beyond a gap of " << gap;
+  EXPECT_NEAR(farthest(tile_of(20'000, 60, 400)), 60, 5) << "much larger";
+}
+
 // A crown closes its picture far better than with the long trunk below, which is in one piece with it.
 TEST(FirstView, TheTrunkBelowACrownIsNotCut) {
   std::mt19937 random(12);
