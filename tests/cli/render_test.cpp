@@ -653,6 +653,25 @@ TEST_F(RenderTest, TheDefaultTechniqueSuitsTheScanAndSaysWhy) {
   EXPECT_THAT(own["automatic_technique"]["reason"].get<std::string>(), HasSubstr("--hash-bits"));
 }
 
+// A dense block and a row far from it, of a fiftieth of the points.
+TEST_F(RenderTest, WhatTheFirstViewLeavesOutIsTold) {
+  std::string text;
+  for (int i = 0; i < 5000; ++i)
+    text += std::to_string(0.1 * (i % 17)) + " " + std::to_string(0.1 * (i / 17 % 17)) + " " +
+            std::to_string(0.1 * (i / 289)) + "\n";
+  for (int i = 0; i < 100; ++i) text += std::to_string(40 + 0.1 * i) + " 1 0\n";
+  write("far.xyz", text);
+  const Outcome said = run({"far.xyz", "-o", "a.png", "--resolution", "48x32"});
+  EXPECT_THAT(said.err, HasSubstr("2 % of the points lie outside the picture, --whole shows them"));
+  const Json json = run_json({"far.xyz", "-o", "a.png", "--resolution", "48x32", "--json"});
+  EXPECT_NEAR(json["share_outside"].get<double>(), 100.0 / 5100, 1e-9);
+  for (const std::vector<std::string>& asked : {std::vector<std::string>{"--whole"}, {"--zoom", "2"}}) {
+    std::vector<std::string> words{"far.xyz", "-o", "a.png", "--resolution", "48x32"};
+    words.insert(words.end(), asked.begin(), asked.end());
+    EXPECT_THAT(run(words).err, Not(HasSubstr("outside"))) << asked[0];
+  }
+}
+
 TEST_F(RenderTest, UpIsReportedAndGivenBack) {
   const Json json = run_json({"cube.ply", "-o", "a.png", "--resolution", "48x32", "--json"});
   EXPECT_TRUE(json["up"].is_string());

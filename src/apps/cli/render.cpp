@@ -60,6 +60,9 @@ scene::Scene tell_reading(scene::Scene scene, const RenderOptions& options, Rend
 
 using SceneFiles = std::vector<scene::SceneFile>;
 
+/// Of points that the first view leaves out of the picture.
+constexpr double worth_telling = 0.01;
+
 /// Which way is up, and from where to look.
 void tell_pose(const Pose& pose, const RenderOptions& options, RenderReport& report, Console& console) {
   if (options.view.print_scale && pose.unit.metres == 0 && pose.unit.symbol != "°")
@@ -181,6 +184,23 @@ OpenedScene open_scene(const SceneFiles& files, RenderOptions& options, const Ch
   return opened;
 }
 
+/// The share of the points that a picture from there does not hold.
+double share_outside(const PointCloud& cloud, const Camera& camera) {
+  constexpr std::size_t asked = 200'000;
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / asked);
+  const dmat4 to_eye = camera.view(cloud.origin);
+  const Intrinsics k = camera.intrinsics();
+  std::size_t all = 0, outside = 0;
+  for (std::size_t i = 0; i < cloud.size(); i += stride, ++all) {
+    const dvec3 eye(to_eye * glm::dvec4(cloud.positions[i], 1));
+    const double depth = camera.orthographic() ? 1 : -eye.z;
+    const glm::dvec2 pixel(k.fx * eye.x / depth + k.cx, k.cy - k.fy * eye.y / depth);
+    outside +=
+        !(depth > 0 && pixel.x >= 0 && pixel.y >= 0 && pixel.x < camera.width && pixel.y < camera.height);
+  }
+  return all == 0 ? 0 : double(outside) / double(all);
+}
+
 std::string timings_text(const RenderReport& report, const Choice& choice) {
   std::string text;
   for (std::size_t i = 0; i < report.techniques.size(); ++i) {
@@ -223,6 +243,9 @@ void tell(const RenderReport& report, const RenderOptions& options, const Choice
       console.note(fmt::format("wrote {} ({}, coloured by {}{})", first,
                                counted(report.points_rendered, "point"), report.color_by,
                                report.up_is_noted ? "" : ", " + report.up + " up"));
+    if (report.share_outside.value_or(0) >= worth_telling)
+      console.note(fmt::format("{:.0f} % of the points lie outside the picture, --whole shows them",
+                               100 * *report.share_outside));
   }
   if (!technique.empty()) console.note(technique);
   for (std::size_t i = 0; i < report.techniques.size(); ++i)
@@ -335,6 +358,10 @@ int draw_pictures(RenderRequest& request, const std::string& command) {
   }
   const Bounds box = bounds(scene.cloud);
   report.frames = options.sequence ? int(options.files.size()) : int(cameras.size());
+  const bool is_framed = !options.moves_camera() && !options.stands_somewhere() && !options.view.pixel_size &&
+                         !options.view.print_scale;
+  if (is_framed && report.frames == 1 && !options.whole && !report.levels)
+    report.share_outside = share_outside(scene.cloud, cameras[0]);
   if (report.frames > 1)
     for (const auto& chosen : choice.techniques) fix_light(chosen->settings, cameras.front(), scene.cloud.up);
 

@@ -165,6 +165,7 @@ std::string render_json(const RenderReport& report, const Choice& choice, const 
   json["points_hidden"] = report.points_hidden;
   json["points_left_out"] = report.points_left_out;
   json["points_rendered"] = report.points_rendered;
+  if (report.share_outside) json["share_outside"] = *report.share_outside;
   if (report.levels) {
     const scene::LevelsReport& levels = *report.levels;
     json["levels"] = {{"points_in_files", levels.points_in_files},

@@ -47,6 +47,7 @@ struct RenderReport {
   bool cutaway = false;                       ///< a room is drawn without the walls before it
   std::string up, up_reason;                  ///< the axis and why it is that one
   bool up_is_noted = false;                   ///< with how to turn it
+  std::optional<double> share_outside;        ///< of the points, that the first view does not hold
   std::optional<scene::LevelsReport> levels;  ///< of the last scene that was read by its levels
   std::uint64_t points_missing = 0;           ///< of those read, in damaged parts
   bool is_partial = false;                    ///< parts of files were damaged and left out
