@@ -487,6 +487,10 @@ void complete(PreparedCloud& prepared, Attributes needs, const PrepareOptions& o
     return;
   }
   const Attributes found = attributes_of(cloud);
+  // Discs reach beyond the edges of faces: those of the far side of a solid would rim it.
+  if (cloud.of_faces && found.has(Attribute::normal) && !prepared.computed.has(Attribute::normal) &&
+      prepared.on_surface.empty())
+    prepared.on_surface.assign(cloud.size(), -1.0f);
   const bool views = !prepared.views.grids.empty();
   if (views) {
     complete_from_views(cloud, prepared.views, needs, progress);

@@ -186,7 +186,7 @@ PointCloud select(const PointCloud& cloud, const std::vector<std::uint32_t>& ord
   PointCloud out;
   out.origin = cloud.origin;
   out.up = cloud.up, out.up_is_known = cloud.up_is_known, out.provenance = cloud.provenance;
-  out.crs = cloud.crs;
+  out.of_faces = cloud.of_faces, out.crs = cloud.crs;
   out.las = cloud.las;
   out.scanners = cloud.scanners;
   out.positions = gather(cloud.positions, order);
@@ -213,6 +213,7 @@ void append(PointCloud& cloud, const PointCloud& other) {
     return;
   }
   if (cloud.empty()) cloud.origin = other.origin;  // that of no points is anywhere
+  cloud.of_faces = cloud.of_faces && other.of_faces;
   const bool has_scanners = !cloud.scanners.empty() || !other.scanners.empty();
   ScalarField their_scanners;
   if (has_scanners) {

@@ -131,7 +131,7 @@ class Samples {
       : faces_(std::move(faces)),
         cloud_(cloud),
         has_random_normals_(has_random_normals(faces_, cloud)),
-        has_labels_(cloud.size() >= least_labelled && !are_of_photographs(cloud.colors)),
+        has_labels_(cloud.size() >= least_labelled && are_labels(cloud.colors)),
         passed_(std::move(passed)),
         count_(count),
         step_(passed_.back() / double(count)) {
@@ -146,6 +146,7 @@ class Samples {
     PointCloud out;
     out.origin = cloud_.origin, out.up = cloud_.up, out.up_is_known = cloud_.up_is_known,
     out.provenance = cloud_.provenance, out.crs = cloud_.crs;
+    out.of_faces = true;
     const std::size_t n = std::size_t(count_);
     out.positions.resize(n), out.normals.resize(n), out.radii.resize(n);
     const bool colored = !cloud_.colors.empty() || !faces_.colors.empty() || !faces_.textures.empty();

@@ -316,6 +316,38 @@ TEST_F(Splats, RimsOfClosedThingsAreSeenFromTheSide) {
   EXPECT_LT(wrong, rim / 100) << "of " << rim;
 }
 
+// A block whose far sides are red, sampled at a point a pixel and more: their discs reach beyond its edges.
+TEST_F(Splats, TheFarSidesOfFacesDoNotRimThem) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> uniform(-0.5f, 0.5f);
+  PointCloud block;
+  constexpr int a_side = 9'000;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0f, 1.0f})
+      for (int i = 0; i < a_side; ++i) {
+        vec3 p(uniform(random), uniform(random), uniform(random)), n(0);
+        p[axis] = 0.5f * side, n[axis] = side;
+        block.positions.push_back(p), block.normals.push_back(n);
+        block.colors.push_back((axis == 1) == (side < 0) ? Rgba8{200, 200, 200, 255} : Rgba8{255, 0, 0, 255});
+      }
+  block.radii.assign(block.size(), 1.5f * float(2 / std::sqrt(M_PI * a_side)));
+  const auto red_pixels = [&](bool of_faces) {
+    block.of_faces = of_faces;
+    const RenderOutput out = render(block, camera_at({1.9f, -2.6f, 1.7f}, 200, 200));
+    int red = 0, covered = 0;
+    for (const vec4& c : out.color_linear) {
+      covered += c.a > 0;
+      red += c.a > 0 && c.r > 2 * c.g;
+    }
+    EXPECT_GT(covered, 5000);
+    return red;
+  };
+  const int as_points = red_pixels(false), as_faces = red_pixels(true);
+  EXPECT_GT(as_points, 100);
+  // Random points: here and there none of the near side lies as close to the edge.
+  EXPECT_LT(as_faces, as_points / 3);
+}
+
 struct WithPath : WithPreference<gl::SplatPath> {
   explicit WithPath(gl::SplatPath path) : WithPreference(&gl::Preferences::splat_path, path) {}
 };

@@ -80,11 +80,12 @@ void SolidPart::update(GpuCloud& gpu, std::span<const float> field, float thresh
       analysis::limit_isolated(part.cloud.positions, analysis::Nearby(part.cloud.positions, progress),
                                part.cloud.radii);
     std::vector<vec3> normals = prepared.cloud.normals;
-    std::vector<float> surface(part.on_surface.empty() ? 0 : normals.size(), 1.0f);
+    std::vector<float> surface = prepared.on_surface;
+    if (!part.on_surface.empty()) surface.resize(normals.size(), 1.0f);
     for (std::size_t k = 0; k < places.size(); ++k) {
       normals[places[k]] = part.cloud.normals[k];
       radii[places[k]] = part.cloud.radii[k];
-      if (!surface.empty()) surface[places[k]] = part.on_surface[k];
+      if (!part.on_surface.empty()) surface[places[k]] = part.on_surface[k];
     }
     // A square grid of that spacing has the radius of Eq. 20 for many neighbours.
     if (prepared.computed.has(Attribute::radius))

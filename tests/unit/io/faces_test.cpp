@@ -39,6 +39,7 @@ TEST(FacesTest, ASquareIsFilledEvenly) {
   EXPECT_EQ(result.report.points, cloud.size());
   EXPECT_EQ(cloud.up, UpAxis::pos_y);
   EXPECT_EQ(cloud.provenance, Provenance::model);
+  EXPECT_TRUE(cloud.of_faces);
   const int cells = 180;  // of 8 points each, or of 2 of 4 spacings' side
   std::vector<int> counts(cells * cells, 0);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -57,6 +58,7 @@ TEST(FacesTest, ASquareIsFilledEvenly) {
 TEST(FacesTest, WhoDoesNotDrawReadsVertices) {
   const io::ReadResult result = io::read(write_file("a.obj", square));
   EXPECT_EQ(result.cloud.size(), 4u);
+  EXPECT_FALSE(result.cloud.of_faces);
   EXPECT_TRUE(result.cloud.normals.empty() && result.cloud.grid_index.empty() && result.report.notes.empty());
 }
 
