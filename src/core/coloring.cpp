@@ -321,7 +321,7 @@ void shade(const ScalarField& field, const ColorSettings& settings, Coloring& ou
 
 }  // namespace
 
-bool are_of_photographs(const std::vector<Rgba8>& colors) {
+bool are_labels(const std::vector<Rgba8>& colors) {
   constexpr int most_labels = 64;
   std::vector<bool> seen(std::size_t(1) << 24);
   int count = 0;
@@ -330,9 +330,22 @@ bool are_of_photographs(const std::vector<Rgba8>& colors) {
     const std::size_t code = std::size_t(c.r) << 16 | std::size_t(c.g) << 8 | c.b;
     if (seen[code]) continue;
     seen[code] = true;
-    if (++count > most_labels) return true;
+    if (++count > most_labels) return false;
   }
-  return false;
+  return true;
+}
+
+bool are_of_photographs(const std::vector<Rgba8>& colors) {
+  // Of 38 public files of photographs 36 have fewer than .0005 such colours, two .01 and .02; of three with
+  // ramps or labels .25 to 1 of them are such.
+  constexpr double most_pure = 0.1;
+  std::size_t pure = 0, all = 0;
+  for (const Rgba8& c : colors) {
+    if (c == no_color) continue;
+    const auto [low, high] = std::minmax({c.r, c.g, c.b});
+    ++all, pure += low == 0 && high == 255;
+  }
+  return double(pure) < most_pure * double(all) && !are_labels(colors);
 }
 
 Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {

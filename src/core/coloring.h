@@ -54,7 +54,7 @@ struct Coloring {
   std::optional<std::array<double, 2>> shade;  ///< A*SCALAR only: values that are black and full
   std::vector<ClassShare> classes;             ///< classes only: those that occur, ascending
   std::vector<Swatch> swatches;                ///< classes and files: what the legend lists, in its order
-  bool is_photographed = false;                ///< rgb only: more than 64 colours, which nobody chose
+  bool is_photographed = false;                ///< rgb only: are_of_photographs
   double exposure = 1;             ///< rgb only: how many times as bright the darkest of them became
   Rgba8 for_black{0, 0, 0, 255};   ///< rgb only: what black became before
   std::vector<std::string> notes;  ///< settings that have no effect on these colours
@@ -83,7 +83,10 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
 /// flight line 66 and 67 shows nothing.
 bool names_things(const ScalarField& field);
 
-/// Whether there are more colours than anybody would choose for labels.
+/// Whether there are no more colours than somebody would choose for labels.
+bool are_labels(const std::vector<Rgba8>& colors);
+/// Whether they are no labels, and hardly any is as pure as those of a ramp, which have one channel full and
+/// one empty.
 bool are_of_photographs(const std::vector<Rgba8>& colors);
 
 /// The colours that occur, in the order of their first point; nothing when they are more than `limit`.

@@ -463,6 +463,13 @@ TEST(Coloring, DarkPhotographsAreRaisedAndOtherColoursAreKept) {
   EXPECT_FALSE(labels.is_photographed) << "whatever alpha they have";
   EXPECT_EQ(labels.colors[7].g, 137);
   EXPECT_TRUE(raised.is_photographed);
+  // A ramp of any number of colours: each has a full channel and an empty one.
+  for (int i = 0; i < 100; ++i)
+    cloud.colors[std::size_t(i)] =
+        i < 50 ? Rgba8{0, std::uint8_t(5 * i), 255, 255} : Rgba8{0, 255, std::uint8_t(5 * (99 - i)), 255};
+  EXPECT_FALSE(color_points(cloud, {"rgb"}).is_photographed);
+  for (int i = 0; i < 95; ++i) cloud.colors[std::size_t(i)].r = 20;
+  EXPECT_TRUE(color_points(cloud, {"rgb"}).is_photographed) << "a signal in the picture";
   // At most eightfold, and told from twice on.
   cloud.colors = photograph(215);
   for (Rgba8& c : cloud.colors) c = {std::uint8_t(c.b % 20), 21, std::uint8_t(c.b / 4), 255};
