@@ -92,6 +92,11 @@ bool has_z_up(std::string_view comment) {
                      [&](std::string_view program) { return comment.find(program) != comment.npos; });
 }
 
+/// RealSense's viewer turns y and z of its cameras around.
+bool is_of_realsense(std::string_view comment) {
+  return comment.find("Realsense Viewer") != comment.npos || comment.find("RealSense Viewer") != comment.npos;
+}
+
 /// OpenMVS writes its lists so, after floats of this name, in points and in meshes, in the axes of the
 /// structure from motion: those of a camera.
 constexpr std::string_view first_of_openmvs = "property float32 x";
@@ -114,6 +119,8 @@ void parse_comment(std::istringstream& words, PlyHeader& header) {
     if (header.texture.empty()) header.texture = value;
   } else if (!header.names_up && has_z_up(key + " " + value)) {
     header.up = UpAxis::pos_z;
+  } else if (!header.names_up && is_of_realsense(key + " " + value)) {
+    header.up = UpAxis::pos_y, header.says_up = header.names_up = true;
   }
 }
 

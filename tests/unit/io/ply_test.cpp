@@ -117,6 +117,11 @@ TEST(PlyTest, ProgramsThatHaveZUpSaySoByTheirName) {
   EXPECT_EQ(cloud_of("comment up +Y\ncomment Created by CloudCompare v2.12\n").up, UpAxis::pos_y);
   EXPECT_EQ(cloud_of("comment usual_up -Y\ncomment PCL generated\n").up, UpAxis::neg_y);
   EXPECT_EQ(cloud_of("comment TextureFile Blender_export.png\n").up, UpAxis::pos_y);
+  // Whose y is up whatever a camera's view tells.
+  const PointCloud of_realsense = cloud_of("comment pointcloud saved from Realsense Viewer\n");
+  EXPECT_EQ(of_realsense.up, UpAxis::pos_y);
+  EXPECT_TRUE(of_realsense.up_is_known);
+  EXPECT_EQ(cloud_of("comment saved from Realsense Viewer\ncomment up +Z\n").up, UpAxis::pos_z);
 }
 
 // OpenMVS names no program, but writes lists as few others do, in the axes of a camera.
