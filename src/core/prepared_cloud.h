@@ -160,8 +160,8 @@ struct PreparedCloud {
   std::vector<float>
       shrunk;  ///< of each radius of a point in clutter to what it would be on a surface; empty: all 1
   /// How far the neighbours of each point vouch for a disc, 1, where it is drawn as a dot otherwise, 0;
-  /// empty: all 1. Negative where normals face outward, on a thin sheet that was measured on both sides and on
-  /// the faces of a mesh: from behind such a point fills no more than what the other side leaves open.
+  /// empty: all 1. Negative where normals face outward: on thin sheets that were measured on both sides, and
+  /// on faces of a mesh. From behind such a point fills no more than what the other side leaves open.
   std::vector<float> on_surface;
   /// How far each point lies among others, from 1 to 0, so that it is no outlier (analysis/isolation.h);
   /// empty: never measured.
