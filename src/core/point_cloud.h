@@ -101,7 +101,7 @@ struct PointCloud {
   bool up_is_known = false;  ///< else it is the custom of the format, or a guess
   Provenance provenance = Provenance::unknown;
   bool of_faces = false;  ///< all lie on the faces of a mesh, whose winding their normals follow
-  std::string crs;  ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
+  std::string crs;        ///< coordinate reference system as text (WKT or "EPSG:n"), may be empty
   std::optional<LasScaling> las;
 
   std::size_t size() const { return positions.size(); }
