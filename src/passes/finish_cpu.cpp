@@ -279,10 +279,8 @@ struct ReliefLoop {
 
   /// point_noise.glsl
   [[gnu::always_inline]] float point_noise_at(int x, int y, float d) const {
-    if (look.sensor_noise == 0) return look.noise;
     const vec2 slope(surfaces->eye.slopes_x[std::size_t(x)], surfaces->eye.slopes_y[std::size_t(y)]);
-    const vec3 away = vec3(slope * (orthographic ? 1 : d), -d) - look.sensor;
-    return look.sensor_noise * glm::dot(away, away);
+    return cpu::point_noise_at(look, vec3(slope * (orthographic ? 1 : d), -d));
   }
   float pixels_at(float d) const { return orthographic ? pixels_per_unit : pixels_per_unit / d; }
 

@@ -146,21 +146,24 @@ struct OpennessLoop {
         octaves(Relief::octaves(options, view.picture_height())),
         pyramid(of),
         eye(view),
-        side(float(2 << octaves.finest)),
+        side(octaves.square_px()),
+        farthest_px(octaves.away_px(octaves.end - 1)),
         width(pyramid[std::size_t(octaves.finest)].depth.width()),
         height(pyramid[std::size_t(octaves.finest)].depth.height()) {
     const int columns = view.width(), rows = view.height();
     for (int l = 0; l < levels; ++l)
       noise_x.emplace_back(width, side, 0.0f, l, columns), noise_y.emplace_back(height, side, 0.0f, l, rows);
-    for (int o = octaves.first; o < octaves.end; ++o)
+    level_of.resize(std::size_t(octaves.end));
+    for (int o = octaves.first; o < octaves.end; ++o) {
+      const float away_px = octaves.away_px(o);
+      const int level = std::clamp(int(std::floor(std::log2(away_px))) - 2, octaves.finest, levels - 1);
+      level_of[std::size_t(o)] = level;
       for (const vec2& way : ways) {
-        const vec2 away = octaves.away_px(o) * way;
-        around_x.emplace_back(width, side, away.x, level_of(o), columns);
-        around_y.emplace_back(height, side, away.y, level_of(o), rows);
+        const vec2 away = away_px * way;
+        around_x.emplace_back(width, side, away.x, level, columns);
+        around_y.emplace_back(height, side, away.y, level, rows);
       }
-  }
-  int level_of(int octave) const {
-    return std::clamp(int(std::floor(std::log2(octaves.away_px(octave)))) - 2, octaves.finest, levels - 1);
+    }
   }
 
   /// noise_of, of squares side by side, with the details of level `up`.
@@ -251,10 +254,8 @@ struct OpennessLoop {
         const vec3 at(slope * scale, -d), toward = eye.to_camera(at);
         here.eye_x[i] = at.x, here.eye_y[i] = at.y;
         here.toward_x[i] = toward.x, here.toward_y[i] = toward.y, here.toward_z[i] = toward.z;
-        here.reach[i] = octaves.away_px(octaves.end - 1) / pixels;
-        const vec3 from_sensor = at - look.sensor;
-        of_points[i] =
-            look.sensor_noise > 0 ? look.sensor_noise * glm::dot(from_sensor, from_sensor) : look.noise;
+        here.reach[i] = farthest_px / pixels;
+        of_points[i] = cpu::point_noise_at(look, at);
         chances[i] = look.spacing * glm::smoothstep(2.5f, 6.0f, look.spacing * pixels);
       }
       float details[levels][lanes];
@@ -263,7 +264,7 @@ struct OpennessLoop {
       std::fill_n(rises[0], compass * lanes, nothing);
       std::size_t way = 0;
       for (int o = octaves.first; o < octaves.end; ++o) {
-        const int l = level_of(o);
+        const int l = level_of[std::size_t(o)];
         float noise[lanes];
         for (int i = 0; i < lanes; ++i)
           noise[i] = std::max(std::max(threshold * details[coarser(l + 1)][i], deviations * of_points[i]),
@@ -297,8 +298,9 @@ struct OpennessLoop {
   Relief::Octaves octaves;
   const Pyramid& pyramid;
   cpu::Eye eye;
-  float side;
+  float side, farthest_px;
   int width, height;
+  std::vector<int> level_of;               // by octave
   std::vector<Places> noise_x, noise_y;    // by level
   std::vector<Places> around_x, around_y;  // by octave and way
 };

@@ -10,6 +10,7 @@
 
 #include "core/color.h"
 #include "passes/gpu_cloud.h"
+#include "passes/relief.h"
 #include "passes/view.h"
 
 namespace sfumato::cpu {
@@ -52,6 +53,13 @@ struct Eye {
   vec2 focal, middle, tile, size;
   std::vector<float> slopes_x, slopes_y;  ///< of the rays of columns and rows
 };
+
+/// point_noise.glsl, at a place in eye space.
+[[gnu::always_inline]] inline float point_noise_at(const Relief::Options& look, const vec3& eye) {
+  if (look.sensor_noise == 0) return look.noise;
+  const vec3 away = eye - look.sensor;
+  return look.sensor_noise * glm::dot(away, away);
+}
 
 /// The points of a chunk as shaders read them.
 struct Points {
