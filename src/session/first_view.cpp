@@ -11,9 +11,6 @@
 
 namespace sfumato {
 
-/// The share of the page that a fitted view fills.
-constexpr double filled_share = 0.92;
-
 Compass::Compass(UpAxis axis)
     : up(up_vector(axis)),
       front(std::abs(up.y) > 0.5 ? dvec3(0, 0, 1) : dvec3(0, -1, 0)),
@@ -161,6 +158,12 @@ std::vector<dvec3> drawn_for(const Camera& camera, const Subject& subject) {
 }  // namespace
 
 void fit(Camera& camera, const Subject& subject) { fit(camera, drawn_for(camera, subject)); }
+
+void move_along_axes(Camera& camera, const dvec3& by) {
+  const glm::dmat3 axes(camera.inverse_view());
+  const dvec3 way = axes * (by * glm::length(camera.target - camera.position));
+  camera.position += way, camera.target += way;
+}
 
 Subject within(const Subject& subject, const Reach& around) {
   Subject near{{}, {}, {}, {}, subject.room};

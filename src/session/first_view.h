@@ -40,6 +40,14 @@ struct Reach {
   dvec3 place;
   double radius;
 };
+/// What a view is fitted to before the camera moves to its right, upwards and back, in distances to its
+/// target.
+struct FittedTo {
+  Reach reach;
+  dvec3 move = dvec3(0);
+};
+void move_along_axes(Camera& camera, const dvec3& by);
+
 /// Those of the framed points of a subject that lie there, and their box.
 Subject within(const Subject& subject, const Reach& around);
 
@@ -55,9 +63,10 @@ glm::dmat3 turn_between(const dvec3& from, const dvec3& to);
 /// Turns the camera about its target by the rotation that takes the axis to `vertical`.
 void stand_on(Camera& camera, UpAxis axis, const dvec3& vertical);
 
+/// Of the width and height of the page, what a fitted view fills: discs of the outermost points need room.
+constexpr double filled_share = 0.92;
 /// Keeps the direction of view and moves the camera to the nearest place that sees every one of the points
-/// with a margin of 8 %, in which the discs of the outermost have room. Points in one place have no extent to
-/// fit: the camera stays.
+/// within that share. Points in one place have no extent to fit: the camera stays.
 void fit(Camera& camera, const std::vector<dvec3>& points);
 /// Likewise the points of a subject that are drawn for who looks from this side.
 void fit(Camera& camera, const Subject& subject);

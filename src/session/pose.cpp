@@ -86,7 +86,7 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
 }
 
 Camera first_view(const Pose& pose, int width, int height) {
-  const Subject subject = pose.around ? within(pose.subject, *pose.around) : pose.subject;
+  const Subject subject = pose.around ? within(pose.subject, pose.around->reach) : pose.subject;
   Camera camera = frame(subject.box, pose.upright.up, width, height, glm::radians(pose.upright.azimuth_deg),
                         glm::radians(pose.upright.elevation_deg));
   stand_on(camera, pose.upright.up, pose.vertical());
@@ -94,6 +94,7 @@ Camera first_view(const Pose& pose, int width, int height) {
     see_from(camera, *pose.sensor, subject);
   else
     fit(camera, subject);
+  if (pose.around) move_along_axes(camera, pose.around->move);
   return camera;
 }
 

@@ -15,10 +15,10 @@ namespace sfumato {
 struct Pose {
   analysis::Upright upright;
   Subject subject;
-  LengthUnit unit = {};              ///< of the horizontal axes, as far as the files say
-  std::optional<dvec3> sensor = {};  ///< the first view is that of the sensor that stood there
-  std::optional<Reach> around = {};  ///< the first view is fitted to these
-  double vertical_exaggeration = 1;  ///< of the points
+  LengthUnit unit = {};                 ///< of the horizontal axes, as far as the files say
+  std::optional<dvec3> sensor = {};     ///< the first view is that of the sensor that stood there
+  std::optional<FittedTo> around = {};  ///< the first view is fitted to these
+  double vertical_exaggeration = 1;     ///< of the points
   /// What stands upright in the first picture, of length 1.
   dvec3 vertical() const { return upright.vertical == dvec3(0) ? up_vector(upright.up) : upright.vertical; }
 };

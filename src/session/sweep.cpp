@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -49,7 +50,7 @@ std::vector<dvec3> first_of(const std::vector<dvec3>& points, std::size_t most) 
 }
 
 /// How evenly points are spread over a page: the entropy of the cell in which one is seen (as of faces,
-/// Vazquez et al. 2001). Those off the page and behind others are worth nothing.
+/// Vazquez et al. 2001). Those beyond its margin and behind others are worth nothing.
 double spread(const std::vector<dvec3>& points, const Camera& camera) {
   constexpr int columns = 128, rows = 72;  // cells of 10 px: dots side by side
   const dmat4 to_page = camera.projection_matrix() * camera.view();
@@ -63,7 +64,7 @@ double spread(const std::vector<dvec3>& points, const Camera& camera) {
   std::vector<double> nearest(std::size_t(columns * rows), std::numeric_limits<double>::infinity());
   for (const dvec3& world : points) {
     const glm::dvec4 p = to_page * glm::dvec4(world, 1);  // w: the depth
-    if (!(p.w > 0) || std::abs(p.x) >= p.w || std::abs(p.y) >= p.w) continue;
+    if (!(p.w > 0) || std::abs(p.x) >= filled_share * p.w || std::abs(p.y) >= filled_share * p.w) continue;
     const int x = int((p.x / p.w + 1) * columns / 2), y = int((p.y / p.w + 1) * rows / 2);
     on_page.push_back({std::size_t(y * columns + x), p.w});
     nearest[on_page.back().cell] = std::min(nearest[on_page.back().cell], p.w);
@@ -74,6 +75,35 @@ double spread(const std::vector<dvec3>& points, const Camera& camera) {
   for (const double count : counts)
     if (count > 0) entropy -= count * std::log(count / double(points.size()));
   return entropy / double(points.size());
+}
+
+/// A few points at the rim of what a view is fitted to take as much of the page as many: where the camera
+/// moves to so that the spread is greatest, uphill in ever smaller steps.
+dvec3 best_move(const std::vector<dvec3>& points, const Camera& fitted) {
+  const double page = 2 * std::tan(0.5 * fitted.fov_y);  // its height in distances
+  const auto score_at = [&](const dvec3& move) {
+    Camera camera = fitted;
+    move_along_axes(camera, move);
+    return spread(points, camera);
+  };
+  dvec3 move(0);
+  double best = score_at(move);
+  for (double step = page / 8; step > page / 128; step /= 2) {
+    for (bool better = true; better;) {
+      better = false;
+      std::array<double, 6> scores;
+      const auto neighbor = [&](std::size_t k) {
+        dvec3 at = move;
+        at[int(k / 2)] += k % 2 == 0 ? step : -step;
+        return at;
+      };
+      tbb::parallel_for(std::size_t(0), scores.size(),
+                        [&](std::size_t k) { scores[k] = score_at(neighbor(k)); });
+      const auto top = std::max_element(scores.begin(), scores.end());
+      if (*top > best) better = true, best = *top, move = neighbor(std::size_t(top - scores.begin()));
+    }
+  }
+  return move;
 }
 
 }  // namespace
@@ -93,20 +123,24 @@ std::optional<SweepView> view_of_sweep(const PointCloud& cloud, const Subject& s
     for (const double elevation_deg : elevations_deg)
       for (int turn = 0; turn < (of_sensor ? 1 : 12); ++turn)
         views.push_back({{std::remainder(azimuth_deg + 30 * turn, 360), elevation_deg},
-                         {*center, value_at_share(ranges, 1 - std::exp2(-k))}});
+                         {{*center, value_at_share(ranges, 1 - std::exp2(-k))}}});
   const Subject mixed = by_hash(subject);
   const std::vector<dvec3> points = first_of(mixed.points, counted);
+  const auto camera_of = [&](const SweepView& view, std::size_t most) {
+    const Subject near = within(mixed, view.around.reach);
+    Camera camera = frame(near.box, cloud.up, width, height, glm::radians(view.from.azimuth_deg),
+                          glm::radians(view.from.elevation_deg));
+    fit(camera, first_of(near.points, most));
+    return camera;
+  };
   std::vector<double> scores(views.size());
-  tbb::parallel_for(std::size_t(0), views.size(), [&](std::size_t i) {
-    const Subject near = within(mixed, views[i].around);
-    Camera camera = frame(near.box, cloud.up, width, height, glm::radians(views[i].from.azimuth_deg),
-                          glm::radians(views[i].from.elevation_deg));
-    fit(camera, first_of(near.points, fitted));
-    scores[i] = spread(points, camera);
-  });
+  tbb::parallel_for(std::size_t(0), views.size(),
+                    [&](std::size_t i) { scores[i] = spread(points, camera_of(views[i], fitted)); });
   const auto best = std::max_element(scores.begin(), scores.end());
   if (!(*best > spread(points, usual.resized(width, height)))) return std::nullopt;
-  return views[std::size_t(best - scores.begin())];
+  SweepView view = views[std::size_t(best - scores.begin())];
+  view.around.move = best_move(points, camera_of(view, mixed.points.size()));
+  return view;
 }
 
 }  // namespace sfumato
