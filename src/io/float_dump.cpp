@@ -18,6 +18,7 @@
 #include "io/file.h"
 #include "io/flat_records.h"
 #include "io/format.h"
+#include "io/nclt.h"
 
 namespace sfumato::io {
 namespace {
@@ -210,6 +211,7 @@ ReadResult read_counted_blocks(const File& file, const CountedBlocks& blocks, Pr
 
 ReadResult read_floats(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
+  if (options.columns.empty() && is_nclt_sweep(file)) return read_nclt_sweep(file, progress);
   const std::uint64_t floats = file.size() / sizeof(float);
   if (file.size() % sizeof(float) != 0 || floats < least_floats)
     bad_input(

@@ -130,7 +130,7 @@ const std::vector<Format>& table() {
        "COLMAP points3D.bin (points3D.txt is text)",
        is_colmap_points,
        read_colmap_points},
-      {"kitti", {".bin"}, "raw floats: scans of vehicles (KITTI, nuScenes), Easy3D", nullptr, read_floats},
+      {"kitti", {".bin"}, "raw numbers: scans of vehicles (KITTI, nuScenes, NCLT), Easy3D", nullptr, read_floats},
       {"splat", {".splat"}, "3D Gaussian splats, 32 bytes each", nullptr, read_splat},
       {"ksplat", {".ksplat"}, "3D Gaussian splats, in sections of buckets", nullptr, read_ksplat},
       {"grid", {".grd"}, "height grids: ESRI ASCII (.asc), GRASS, Surfer", is_height_grid, read_height_grid},

@@ -238,6 +238,21 @@ std::vector<DialectFile> dialects() {
        6400,
        {},
        [](const PointCloud& c) { EXPECT_TRUE(c.scalar("ring") && c.scalar("time")); }});
+  const auto nclt_point = [](int i) {
+    return dvec3(0.005 * (i % 700) - 1, 20 - 0.01 * i, -0.005 * (i % 97));
+  };
+  std::string nclt;
+  for (int i = 0; i < 900; ++i) {
+    for (int k = 0; k < 3; ++k)
+      nclt += test::bytes_of(std::uint16_t(std::lround((nclt_point(i)[k] + 100) / 0.005)));
+    nclt += char(i % 250), nclt += char(i % 32);
+  }
+  add({"nclt.bin", nclt, nclt_point(0), nclt_point(899), 900, {}, [](const PointCloud& c) {
+         ASSERT_TRUE(c.scalar("intensity") && c.scalar("ring"));
+         EXPECT_EQ(c.scalar("ring")->values.at(35), 3);
+         EXPECT_EQ(c.up, UpAxis::neg_z);
+         ASSERT_EQ(c.scanners.size(), 1u);
+       }});
   const auto up_z = [](const PointCloud& c) { EXPECT_NEAR(c.normals.at(0).z, 1, 1e-6); };
   const auto easy3d = [](bool has_colors, bool has_normals) {
     const int points = 70;
@@ -300,7 +315,7 @@ std::vector<DialectFile> dialects() {
 
 TEST(Dialects, AllAreReadRight) {
   const std::vector<DialectFile> all = dialects();
-  EXPECT_EQ(all.size(), 27u);
+  EXPECT_EQ(all.size(), 28u);
   for (const DialectFile& file : all) {
     SCOPED_TRACE(file.name);
     std::optional<io::ReadResult> read;
