@@ -10,9 +10,10 @@ namespace sfumato::analysis {
 namespace {
 
 constexpr std::size_t fewest_points = 5000, most_sampled = 200'000;
-/// Columns over the plan hold enough points on average to tell a ceiling, open space and a floor, and are not
-/// much narrower than rooms are high: noise of a hundredth of that height is level across four of them.
-constexpr int fewest_across = 12;
+/// Columns over the plan hold enough points on average to tell a ceiling, open space and a floor. Where they
+/// do they are an eighth as wide as rooms are high: in wider ones stand walls, and across four narrower ones
+/// noise of a hundredth of that height is no longer level.
+constexpr int fewest_across = 12, most_columns_across = 240;
 constexpr double points_each = 12, cells_high = 8;
 /// Ceilings are level to 6 degrees, and not thicker than a tenth of the open space below: what drift and
 /// beams leave, and no crowns.
@@ -78,13 +79,11 @@ class Plan {
     wide_ = std::max(box.size()[u_], box.size()[v_]) + 2 * border;
     const std::size_t stride = std::max<std::size_t>(1, (cloud.size() + most_sampled - 1) / most_sampled);
     for (std::size_t i = 0; i < cloud.size(); i += stride) points_.push_back(cloud.world(i));
-    int cells = Ceiling::most_across;
-    for (fill(cells); cells > fewest_across && double(points_.size()) < points_each * double(occupied());
-         fill(cells))
-      cells = std::max(fewest_across, int(0.85 * cells));
+    fill_at_most(Ceiling::most_across);
     find_roofs();
-    if (height_ > 0 && cells > fewest_across && height_ * cells > cells_high * wide_) {
-      fill(std::max(fewest_across, int(cells_high * wide_ / height_)));
+    if (height_ > 0) {
+      fill_at_most(
+          int(std::clamp(cells_high * wide_ / height_, double(fewest_across), double(most_columns_across))));
       find_roofs();
     }
     find_ceilings();
@@ -147,16 +146,18 @@ class Plan {
   Room room() const {
     Room room;
     Ceiling& ceiling = room.ceiling.emplace();
-    ceiling.up = up_, ceiling.across = cells_;
+    const int across = std::min(cells_, Ceiling::most_across);
+    ceiling.up = up_, ceiling.across = across;
     for (int k = 0; k < 2; ++k) {
       glm::dvec4& along = k == 0 ? ceiling.u : ceiling.v;
-      along[k == 0 ? u_ : v_] = cells_ / wide_;
-      along.w = -low_[k] * cells_ / wide_;
+      along[k == 0 ? u_ : v_] = across / wide_;
+      along.w = -low_[k] * across / wide_;
     }
-    ceiling.heights.assign(std::size_t(cells_ * cells_), nothing);
+    ceiling.heights.assign(std::size_t(across * across), nothing);
+    const auto coarse = [&](int cell) { return (2 * cell + 1) * across / (2 * cells_); };
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y) {
-        double& height = ceiling.heights[std::size_t(y * cells_ + x)];
+        double& height = ceiling.heights[std::size_t(coarse(y) * across + coarse(x))];
         // Ceilings reach over the walls and cupboards beside them.
         for (int a = x - 1; a <= x + 1; ++a)
           for (int b = y - 1; b <= y + 1; ++b)
@@ -196,6 +197,13 @@ class Plan {
     for (const dvec3& p : points_)
       if (const int cell = cell_of(p); cell >= 0)
         columns_[std::size_t(cell)].heights.push_back(glm::dot(p, up_));
+  }
+
+  /// Fewer where they would hold too few points.
+  void fill_at_most(int cells) {
+    for (fill(cells); cells > fewest_across && double(points_.size()) < points_each * double(occupied());
+         fill(cells))
+      cells = std::max(fewest_across, int(0.85 * cells));
   }
 
   /// Columns most of which is open, about as high as usual.

@@ -124,6 +124,30 @@ TEST(FindRoom, EachRoomOfAMapLosesItsOwnCeiling) {
     }
 }
 
+// A floor of offices, 53 m long: of columns a metre wide most hold a wall.
+TEST(FindRoom, ManySmallRoomsLoseTheirCeilings) {
+  for (const double per_area : {40.0, 90.0}) {
+    Map map(0.01, per_area);
+    constexpr double wide = 3.5, high = 2.7;
+    for (int x = 0; x < 15; ++x)
+      for (int y = 0; y < 3; ++y) {
+        map.room({x * wide, y * wide, 0}, {(x + 1) * wide, (y + 1) * wide, high});
+        map.table(x * wide + 1, y * wide + 1);
+      }
+    const std::optional<Room> room = find_room(map.cloud);
+    ASSERT_TRUE(room && room->ceiling) << per_area;
+    int ceiling = 0, kept = 0, low = 0, lost = 0;
+    for (std::size_t i = 0; i < map.cloud.size(); ++i) {
+      const vec3& p = map.cloud.positions[i];
+      const bool is_left_out = room->ceiling->is_below(map.cloud.world(i));
+      if (p.z > high - 0.05) ++ceiling, kept += !is_left_out;
+      if (p.z < 2) ++low, lost += is_left_out;
+    }
+    EXPECT_LT(kept, 0.02 * ceiling) << per_area;
+    EXPECT_EQ(lost, 0) << per_area << ", of " << low;
+  }
+}
+
 // A room whose two sides of glass a scanner did not see, and part of a third: its level floor makes up for
 // them.
 TEST(FindRoom, AFloorMakesUpForOpenSides) {
