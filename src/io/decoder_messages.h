@@ -7,12 +7,13 @@
 namespace sfumato::io {
 
 /// Changes with every change of these structures: a decoder of another version is not used.
-inline constexpr std::uint32_t decoder_version = 1;
+inline constexpr std::uint32_t decoder_version = 2;
 
 /// Where a decoder finds the socket and the memory when it starts.
 inline constexpr int decoder_socket = 3, decoder_memory = 4;
 
-enum class Decode : std::uint32_t { laszip = 1, draco = 2 };
+/// `draco_faces`: of a mesh, three places among the records that `draco` gives.
+enum class Decode : std::uint32_t { laszip = 1, draco = 2, draco_faces = 3 };
 
 /// To the decoder: begin. The records come in blocks of `block_points` (the last is shorter) into two places
 /// in turn, the third block only after the first was given back (any packet of one byte), and so on.

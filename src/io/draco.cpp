@@ -1,12 +1,15 @@
-// Draco point clouds (.drc), and the vertices of Draco meshes. A decoder process does it (docs/adr/0130): the
-// library has no place in ours.
+// Draco point clouds and meshes (.drc). A decoder process does it (docs/adr/0130): the library has no place
+// in ours.
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "io/columns.h"
 #include "io/decoder_pool.h"
+#include "io/faces.h"
 #include "io/file.h"
 #include "io/format.h"
+#include "io/number_at.h"
 
 namespace sfumato::io {
 namespace {
@@ -37,50 +40,94 @@ std::vector<Column> columns_of(std::string_view text) {
   return columns;
 }
 
+/// Decodes what is wanted of a file: `begin(columns, rows)`, then `take(bytes, count, first)` for each block.
+template <class Begin, class Take>
+void decode(const File& file, Decode what, Progress& progress, const Begin& begin, const Take& take) {
+  DecoderJob job;
+  const std::span<std::uint8_t> input = job.make_room(std::size_t(file.size()), block_size);
+  file.read(0, std::as_writable_bytes(input));
+  DecodeJob wanted;
+  wanted.what = what;
+  wanted.input_size = file.size();
+  wanted.points = 10 * file.size();  // which bounds its time: most points take more than a tenth of a byte
+  job.begin(wanted, least_memory + memory_of_byte * file.size());
+  const DecodeReply reply = job.fields(progress);
+  std::vector<Column> columns = columns_of(reply.text);
+  if (columns.empty()) throw DecodeFault("a decoder out of step");
+  const std::size_t record = columns.front().stride, most = block_size / record;
+  if (reply.total > 0xFFFFFFFFull ||
+      reply.total * record > std::max(trusted_bytes, trusted_ratio * file.size()))
+    throw DecodeFault(std::to_string(reply.total) + " points or faces, more than its bytes can hold,");
+  const auto rows = std::size_t(reply.total);
+  begin(std::move(columns), rows);
+  for (std::size_t done = 0; done < rows;) {
+    const std::span<std::uint8_t> block = job.next(std::min(most, rows - done), record, progress);
+    const std::size_t count = block.size() / record;
+    take(reinterpret_cast<const std::byte*>(block.data()), count, done);
+    done += count;
+    progress.update(double(done) / double(rows), "decoding points");
+  }
+  job.done();
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+  bad_input(path, "byte 0", "found " + what + " in a Draco file; it is truncated or damaged");
+}
+
+Faces read_draco_faces(const File& file, const ReadResult& vertices, std::uint64_t records,
+                       Progress& progress) {
+  FaceBuilder builder(vertices.cloud, kept_vertices(vertices.cloud, records));
+  try {
+    Polygon polygon;
+    decode(
+        file, Decode::draco_faces, progress, [](const auto&, std::size_t) {},
+        [&](const std::byte* bytes, std::size_t count, std::size_t) {
+          for (std::size_t i = 0; i < count; ++i) {
+            polygon.clear();
+            for (std::size_t corner = 0; corner < 3; ++corner)
+              polygon.vertices.push_back(
+                  number_at<std::uint32_t>(bytes + (3 * i + corner) * sizeof(std::uint32_t)));
+            builder.add(polygon, [] { return "byte 0"; });
+          }
+        });
+  } catch (const DecodeFault& fault) {
+    fail(file.path(), fault.what());
+  }
+  return std::move(builder.faces);
+}
+
 }  // namespace
 
 bool is_draco(std::string_view head) { return head.starts_with("DRACO"); }
 
-ReadResult read_draco(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+ReadResult read_draco(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
   const File file(path);
   if (const std::string reason = why_no_decoders(); !reason.empty())
     throw Error(ErrorCode::usage,
                 path.string() + ": Draco needs a decoder process, and there is none: " + reason);
-  const auto fail = [&](const std::string& what) {
-    bad_input(path, "byte 0", "found " + what + " in a Draco file; it is truncated or damaged");
-  };
   ReadResult result;
+  std::optional<CloudBuilder> builder;
+  std::vector<CloudBuilder::Cursor> cursors;
+  std::uint64_t records = 0;
   try {
-    DecoderJob job;
-    const std::span<std::uint8_t> input = job.make_room(std::size_t(file.size()), block_size);
-    file.read(0, std::as_writable_bytes(input));
-    DecodeJob wanted;
-    wanted.what = Decode::draco;
-    wanted.input_size = file.size();
-    wanted.points = 10 * file.size();  // which bounds its time: most points take more than a tenth of a byte
-    job.begin(wanted, least_memory + memory_of_byte * file.size());
-    const DecodeReply reply = job.fields(progress);
-    std::vector<Column> columns = columns_of(reply.text);
-    if (!assign_roles(columns)) fail("no positions of three numbers");
-    const std::size_t record = columns.front().stride, most = block_size / record;
-    if (reply.total > 0xFFFFFFFFull ||
-        reply.total * record > std::max(trusted_bytes, trusted_ratio * file.size()))
-      fail(std::to_string(reply.total) + " points, more than its bytes can hold,");
-    const auto rows = std::size_t(reply.total);
-    CloudBuilder builder(std::move(columns), rows);
-    std::vector<CloudBuilder::Cursor> cursors{builder.cursor(0, rows)};
-    for (std::size_t done = 0; done < rows;) {
-      const std::span<std::uint8_t> block = job.next(std::min(most, rows - done), record, progress);
-      const std::size_t count = block.size() / record;
-      builder.decode(cursors[0], reinterpret_cast<const std::byte*>(block.data()), 0, count, done);
-      done += count;
-      progress.update(double(done) / double(rows), "decoding points");
-    }
-    job.done();
-    builder.finish(cursors, result);
+    decode(
+        file, Decode::draco, progress,
+        [&](std::vector<Column> columns, std::size_t rows) {
+          if (!assign_roles(columns)) throw DecodeFault("no positions of three numbers");
+          builder.emplace(std::move(columns), rows, false, options.faces != nullptr);
+          cursors.push_back(builder->cursor(0, rows));
+          records = rows;
+        },
+        [&](const std::byte* bytes, std::size_t count, std::size_t first) {
+          builder->decode(cursors[0], bytes, 0, count, first);
+        });
   } catch (const DecodeFault& fault) {
-    fail(fault.what());
+    fail(path, fault.what());
   }
+  builder->finish(cursors, result);
+  if (!options.faces) return result;
+  take_faces(file, options, result, [&] { return read_draco_faces(file, result, records, progress); });
+  if (!options.faces->empty()) result.cloud.up = UpAxis::pos_y, result.cloud.provenance = Provenance::model;
   return result;
 }
 

@@ -18,6 +18,7 @@
 #include "io/format.h"
 #include "io/las.h"
 #include "io/poses.h"
+#include "io/nvm.h"
 #include "io/splats.h"
 #include "io/vtk.h"
 
@@ -101,7 +102,15 @@ const std::vector<Format>& table() {
       {"ptx", {".ptx"}, "Leica PTX, all scans", is_ptx, read_ptx},
       {"npz", {".npz"}, "NumPy arrays in one file: xyz, rgb, normals and scalars by name", is_npz, read_npz},
 #ifdef SFUMATO_DRACO
-      {"draco", {".drc"}, "Draco point clouds, and the vertices of Draco meshes", is_draco, read_draco},
+      {"draco",
+       {".drc"},
+       "Draco point clouds and meshes",
+       is_draco,
+       read_draco,
+       nullptr,
+       nullptr,
+       nullptr,
+       true},
 #endif
       {"ept",
        {"ept.json"},
@@ -130,9 +139,15 @@ const std::vector<Format>& table() {
        "COLMAP points3D.bin (points3D.txt is text)",
        is_colmap_points,
        read_colmap_points},
-      {"kitti", {".bin"}, "raw numbers: scans of vehicles (KITTI, nuScenes, NCLT), Easy3D", nullptr, read_floats},
+      {"kitti",
+       {".bin"},
+       "raw numbers: scans of vehicles (KITTI, nuScenes, NCLT), Easy3D",
+       nullptr,
+       read_floats},
+      {"nvm", {".nvm"}, "models of VisualSFM", is_nvm, read_nvm},
       {"splat", {".splat"}, "3D Gaussian splats, 32 bytes each", nullptr, read_splat},
       {"ksplat", {".ksplat"}, "3D Gaussian splats, in sections of buckets", nullptr, read_ksplat},
+      {"spz", {".spz"}, "3D Gaussian splats of SPZ, versions 1 to 3", is_spz, read_spz},
       {"grid", {".grd"}, "height grids: ESRI ASCII (.asc), GRASS, Surfer", is_height_grid, read_height_grid},
       {"vtk",
        {".vtk"},

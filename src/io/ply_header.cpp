@@ -85,9 +85,10 @@ PlyProperty parse_property(HeaderLines& lines, std::istringstream& words) {
   return property;
 }
 
-/// Programs that have Z up, and name themselves in a comment.
+/// Programs that have Z up, and name themselves in a comment; of 3D Slicer's axes the third is superior.
 bool has_z_up(std::string_view comment) {
-  constexpr std::string_view programs[] = {"Blender", "CloudCompare", "PCL generated"};
+  constexpr std::string_view programs[] = {"Blender", "CloudCompare", "PCL generated", "SPACE=LPS",
+                                           "SPACE=RAS"};
   return std::any_of(std::begin(programs), std::end(programs),
                      [&](std::string_view program) { return comment.find(program) != comment.npos; });
 }

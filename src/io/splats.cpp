@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <numbers>
+
+#include <glm/gtc/packing.hpp>
 
 #include "core/counted.h"
 #include "io/flat_records.h"
@@ -295,6 +298,62 @@ ReadResult read_ksplat(const std::filesystem::path& path, const ReadOptions&, Pr
   ReadResult result;
   table.build(false, progress, result);
   result.cloud.up = UpAxis::neg_y;  // as read_splat
+  const ScalarField* opacity = result.cloud.scalar("opacity");
+  leave_out_faint(result, [opacity](std::size_t i) { return opacity->value(i); });
+  return result;
+}
+
+bool is_spz(std::string_view head) { return head.starts_with("NGSP"); }
+
+ReadResult read_spz(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
+  constexpr std::uint64_t header_bytes = 16;
+  const File file(path);
+  std::vector<std::byte> header(header_bytes);
+  if (file.size() < header_bytes)
+    bad_input(path, "byte " + std::to_string(file.size()), "the file ends inside its header of 16 bytes");
+  file.read(0, header);
+  const auto version = number_at<std::uint32_t>(header.data() + 4);
+  const std::uint64_t count = number_at<std::uint32_t>(header.data() + 8);
+  const auto fraction_bits = number_at<std::uint8_t>(header.data() + 13);
+  if (version < 1 || version > 3 || fraction_bits > 31)
+    bad_input(path, "byte 4",
+              "found version " + std::to_string(version) + " of SPZ, expected 1 to 3; export it as PLY");
+  // All places, then all opacities, all colours; scales, rotations and harmonics are not read.
+  const std::uint64_t place_bytes = version == 1 ? 6 : 9;
+  if (count > (file.size() - header_bytes) / (place_bytes + 4))
+    bad_input(path, "byte 8",
+              "found " + std::to_string(count) + " splats in " + std::to_string(file.size()) +
+                  " bytes; the file is cut short or damaged");
+  std::vector<Column> columns;
+  for (const char* name : {"x", "y", "z", "red", "green", "blue", "opacity"})
+    columns.push_back({name, StoredType::float32});
+  assign_roles(columns);
+  Table table(std::move(columns), std::size_t(count));
+  std::vector<std::byte> bytes(std::size_t(count * (place_bytes + 4)));
+  file.read(header_bytes, bytes);
+  const std::byte *places = bytes.data(), *opacities = places + count * place_bytes,
+                  *colors = opacities + count;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % 65'536 == 0) progress.check();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::byte* place = places + i * place_bytes + axis * place_bytes / 3;
+      if (version == 1) {
+        table.column(axis)[i] = double(glm::unpackHalf1x16(number_at<std::uint16_t>(place)));
+      } else {
+        std::uint32_t step = 0;
+        std::memcpy(&step, place, 3);
+        table.column(axis)[i] = std::ldexp(double(std::int32_t(step << 8) >> 8), -fraction_bits);
+      }
+      // The constant term in 256 steps from -.5/.15 to .5/.15.
+      constexpr double range = 0.15;
+      const double term = (double(colors[3 * i + axis]) / 255 - 0.5) / range;
+      table.column(3 + axis)[i] = 255 * std::clamp(0.5 + term / std::sqrt(4 * std::numbers::pi), 0.0, 1.0);
+    }
+    table.column(6)[i] = double(opacities[i]) / 255;
+  }
+  ReadResult result;
+  table.build(false, progress, result);
+  result.cloud.up = UpAxis::pos_y;  // axes to the right, upwards and back, says the format
   const ScalarField* opacity = result.cloud.scalar("opacity");
   leave_out_faint(result, [opacity](std::size_t i) { return opacity->value(i); });
   return result;

@@ -21,4 +21,9 @@ ReadResult read_splat(const std::filesystem::path& path, const ReadOptions& opti
 /// around the centres of buckets (levels 1 and 2).
 ReadResult read_ksplat(const std::filesystem::path& path, const ReadOptions& options, Progress& progress);
 
+/// Niantic's SPZ, versions 1 to 3, out of its gzip: places in steps of 24 bits (16-bit floats in version 1),
+/// opacities and colours as bytes.
+bool is_spz(std::string_view head);
+ReadResult read_spz(const std::filesystem::path& path, const ReadOptions& options, Progress& progress);
+
 }  // namespace sfumato::io

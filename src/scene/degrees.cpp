@@ -56,10 +56,11 @@ bool is_geographic(const std::string& crs) {
 
 std::optional<LocalMetres> degrees_of(const std::string& crs, const Bounds& box, const Bounds& middle) {
   constexpr double thinner = 1000;
+  const bool is_known = is_geographic(crs);
+  const double farthest_east = is_known ? 360 : 180;  // some count on from 180 E
   const dvec3 most = glm::max(glm::abs(box.min), glm::abs(box.max));
   const bool latitude_first = most.x <= 90 && most.y > 90 && most.y <= 180;
-  if (!(most.x <= 180 && most.y <= 90) && !latitude_first) return std::nullopt;
-  const bool is_known = is_geographic(crs);
+  if (!(most.x <= farthest_east && most.y <= 90) && !latitude_first) return std::nullopt;
   const double plan = std::max(middle.size().x, middle.size().y);
   if (!is_known && !(crs.empty() && plan > 0 && middle.size().z > thinner * plan)) return std::nullopt;
   LocalMetres local;
@@ -170,6 +171,7 @@ std::string of_wide_steps(const PointCloud& degrees, const LocalMetres& metres) 
 
 std::string LocalMetres::note(const PointCloud& degrees) const {
   char text[320];
+  const double from_greenwich = std::remainder(longitude, 360);
   if (geocentric) {
     std::snprintf(
         text, sizeof text,
@@ -178,7 +180,8 @@ std::string LocalMetres::note(const PointCloud& degrees) const {
         !by_values            ? "by the coordinate system"
         : degrees.crs.empty() ? "by their values; the file names no coordinate system"
                               : "by their values, which are no degrees",
-        std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(longitude), longitude < 0 ? "W" : "E");
+        std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(from_greenwich),
+        from_greenwich < 0 ? "W" : "E");
     return text;
   }
   std::snprintf(
@@ -186,7 +189,7 @@ std::string LocalMetres::note(const PointCloud& degrees) const {
       "x and y are degrees (%s): drawn in metres around %.6f %s %.6f %s, %.1f km a degree east and %.1f km "
       "north; sfumato info gives the file's numbers",
       by_values ? "by their values; the file names no coordinate system" : "by the coordinate system",
-      std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(longitude), longitude < 0 ? "W" : "E",
+      std::abs(latitude), latitude < 0 ? "S" : "N", std::abs(from_greenwich), from_greenwich < 0 ? "W" : "E",
       east / 1000, north / 1000);
   return text + of_wide_steps(degrees, *this);
 }

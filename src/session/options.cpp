@@ -433,7 +433,7 @@ void add_points(Table& t) {
           read(&io::ReadOptions::columns), [](Text, Text text) { return split(text, ','); })
       .python("words");
   t.flag("--vertices",
-         "of meshes (PLY, OBJ, OFF, STL, VTK) the vertices alone, instead of points on the faces",
+         "of meshes (PLY, OBJ, OFF, STL, VTK, Draco) the vertices alone, instead of points on the faces",
          &Request::vertices)
       .served();
   t.flag("--strict", "refuse partly damaged files instead of skipping the damaged parts",

@@ -61,7 +61,7 @@ constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".p
                obj[] = ".obj", off[] = ".off", stl[] = ".stl", vtk[] = ".vtk", vtp[] = ".vtp", e57[] = ".e57",
                ptx[] = ".ptx", pts[] = ".pts", expe[] = ".pts", text[] = ".xyz", npy[] = ".npy",
                npz[] = ".npz", draco[] = ".drc", kitti[] = ".bin", grid[] = ".asc", colmap[] = ".bin",
-               splat[] = ".splat", ksplat[] = ".ksplat";
+               splat[] = ".splat", ksplat[] = ".ksplat", spz[] = ".spz", nvm[] = ".nvm";
 
 void read_mesh(std::string_view bytes) {
   // Text tells its format itself.
@@ -157,6 +157,8 @@ const std::map<std::string, FuzzTarget>& fuzz_targets() {
                                                         {"colmap", read_cloud<colmap>},
                                                         {"splat", read_cloud<splat>},
                                                         {"ksplat", read_cloud<ksplat>},
+                                                        {"spz", read_cloud<spz>},
+                                                        {"nvm", read_cloud<nvm>},
                                                         {"npz", read_cloud<npz>},
                                                         {"draco", read_cloud<draco>},
                                                         {"mesh", read_mesh},

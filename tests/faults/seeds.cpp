@@ -159,6 +159,10 @@ std::vector<Seed> seeds() {
   for (const std::uint16_t step : {std::uint16_t(100), std::uint16_t(60000)})
     ksplat += bytes_of(step, step, step) + std::string(14, '\0') + bytes_of(0xFF405060u);
   add("ksplat", ".ksplat", ksplat);
+  add("nvm", ".nvm", "NVM_V3\n\n1\na.jpg 1 1 0 0 0 1 2 3 0 0\n\n2\n1 2 3 4 5 6 1 0 1 2 3\n4 5 6 7 8 9 0\n");
+  add("spz", ".spz",
+      "NGSP" + bytes_of(2u, 2u, std::uint8_t(0), std::uint8_t(12), std::uint16_t(0)) +
+          std::string(44, '\x90'));
   const std::string frame =
       R"({"depth": "d.png", "fx": 2, "fy": 4, "cx": 1, "cy": 0, "depth_scale": 1000, "pose": [1,2,3,0,0,0,1]})";
   all.push_back({"depth", ".json", frame, "d.png", png16(3, 2, {5000, 0, 10000, 5000, 5000, 2500})});

@@ -50,6 +50,18 @@ TEST(Degrees, DistancesAreThoseOfTheEllipsoid) {
   EXPECT_NEAR(drawn, real, 2e-4 * real);
 }
 
+TEST(Degrees, LongitudesMayGoOnTo360) {
+  PointCloud west = in_degrees(1e-7), on = west, unknown;
+  west.origin.x = -59, on.origin.x = 301;
+  unknown = on, unknown.crs.clear();
+  const auto a = scene::local_metres_of(west), b = scene::local_metres_of(on);
+  ASSERT_TRUE(a && b);
+  a->apply(west), b->apply(on);
+  for (std::size_t i = 0; i < 100; ++i)
+    EXPECT_LT(glm::distance(west.positions[i], on.positions[i]), 1e-3) << "m, of some 1000";
+  EXPECT_FALSE(scene::local_metres_of(unknown)) << "only where they are said to be degrees";
+}
+
 TEST(Degrees, PlacesFromTheCentreOfTheEarthAreNone) {
   // What some writers of LAS call EPSG:4326.
   PointCloud cloud;

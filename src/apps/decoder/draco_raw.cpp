@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 #include <stdexcept>
 #include <vector>
 
@@ -105,6 +106,35 @@ void DracoCloud::pack(std::uint64_t first, std::size_t count, std::uint8_t* reco
       one->GetMappedValue(draco::PointIndex(std::uint32_t(first + i)),
                           records + i * state_->record_length + offset);
     offset += std::size_t(one->byte_stride());
+  }
+}
+
+struct DracoFaces::State {
+  std::unique_ptr<draco::Mesh> mesh;
+};
+
+DracoFaces::DracoFaces(std::span<const std::uint8_t> bytes) : state_(std::make_unique<State>()) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
+  if (!type.ok() || type.value() != draco::TRIANGULAR_MESH) return;
+  draco::Decoder decoder;
+  auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+  if (!decoded.ok()) throw std::runtime_error("\"" + decoded.status().error_msg_string() + "\"");
+  state_->mesh = std::move(decoded).value();
+}
+
+DracoFaces::~DracoFaces() = default;
+
+std::uint64_t DracoFaces::faces() const { return state_->mesh ? state_->mesh->num_faces() : 0; }
+
+void DracoFaces::pack(std::uint64_t first, std::size_t count, std::uint8_t* records) const {
+  for (std::size_t i = 0; i < count; ++i) {
+    const draco::Mesh::Face& face = state_->mesh->face(draco::FaceIndex(std::uint32_t(first + i)));
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t place = face[corner].value();
+      std::memcpy(records + (3 * i + corner) * sizeof place, &place, sizeof place);
+    }
   }
 }
 

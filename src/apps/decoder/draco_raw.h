@@ -1,4 +1,4 @@
-// A Draco point cloud (or the vertices of a Draco mesh) as packed records.
+// A Draco point cloud, or the vertices and the faces of a Draco mesh, as packed records.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,19 @@ class DracoCloud {
   /// "NAME TYPE;" for each number of a record, in order; types as io::StoredType counts them.
   const std::string& fields() const;
   std::size_t record_length() const;
+  void pack(std::uint64_t first, std::size_t count, std::uint8_t* records) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Three uint32 a face, places among the points of `DracoCloud`; of a point cloud there are none.
+class DracoFaces {
+ public:
+  explicit DracoFaces(std::span<const std::uint8_t> bytes);
+  ~DracoFaces();
+  std::uint64_t faces() const;
   void pack(std::uint64_t first, std::size_t count, std::uint8_t* records) const;
 
  private:

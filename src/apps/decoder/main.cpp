@@ -18,6 +18,7 @@
 #include "io/decoder_messages.h"
 #include "io/laz_raw.h"
 #ifdef SFUMATO_DRACO
+#include "core/point_cloud.h"
 #include "draco_raw.h"
 #endif
 
@@ -111,23 +112,37 @@ void decode_laszip(const DecodeJob& job, std::uint8_t* memory) {
 }
 
 #ifdef SFUMATO_DRACO
-void decode_draco(const DecodeJob& job, std::uint8_t* memory) {
-  const sfumato::DracoCloud cloud({memory + job.input, job.input_size});
+/// What the fields of a record are, and all records: `pack(first, count, records)` writes some.
+template <class Pack>
+void give_records(const DecodeJob& job, std::uint8_t* memory, const std::string& fields, std::uint64_t total,
+                  std::size_t record_length, const Pack& pack) {
   DecodeReply reply;
   reply.kind = DecodeReply::fields;
-  reply.total = cloud.points();
-  std::snprintf(reply.text, sizeof reply.text, "%s", cloud.fields().c_str());
+  reply.total = total;
+  std::snprintf(reply.text, sizeof reply.text, "%s", fields.c_str());
   answer(reply);
   Blocks blocks(job, memory);
-  for (std::uint64_t done = 0; done < cloud.points();) {
+  for (std::uint64_t done = 0; done < total;) {
     std::uint8_t* records = nullptr;
     if (!blocks.place(records)) _exit(0);
-    const auto count =
-        std::size_t(std::min<std::uint64_t>(job.block_size / cloud.record_length(), cloud.points() - done));
-    cloud.pack(done, count, records);
+    const auto count = std::size_t(std::min<std::uint64_t>(job.block_size / record_length, total - done));
+    pack(done, count, records);
     Blocks::send(count);
     done += count;
   }
+}
+
+void decode_draco(const DecodeJob& job, std::uint8_t* memory) {
+  const sfumato::DracoCloud cloud({memory + job.input, job.input_size});
+  give_records(job, memory, cloud.fields(), cloud.points(), cloud.record_length(),
+               [&](auto... range) { cloud.pack(range...); });
+}
+
+void decode_draco_faces(const DecodeJob& job, std::uint8_t* memory) {
+  const sfumato::DracoFaces mesh({memory + job.input, job.input_size});
+  const std::string type = std::to_string(int(sfumato::StoredType::uint32));
+  give_records(job, memory, "a " + type + ";b " + type + ";c " + type + ";", mesh.faces(),
+               3 * sizeof(std::uint32_t), [&](auto... range) { mesh.pack(range...); });
 }
 #endif
 
@@ -157,6 +172,8 @@ int main() {
 #ifdef SFUMATO_DRACO
       else if (job.what == Decode::draco)
         decode_draco(job, bytes);
+      else if (job.what == Decode::draco_faces)
+        decode_draco_faces(job, bytes);
 #endif
       else
         refuse("a job that this decoder does not know");

@@ -238,6 +238,24 @@ std::vector<DialectFile> dialects() {
        6400,
        {},
        [](const PointCloud& c) { EXPECT_TRUE(c.scalar("ring") && c.scalar("time")); }});
+  const auto lvis_point = [](int i) {
+    return dvec3(301.2 + 0.0001 * i, 78.3 - 0.0002 * (i % 10), 1956 + i % 7);
+  };
+  add({"lvis.TXT",
+       "# Several elevations are derived from the waveform. Please visit the site for discussion.\n"
+       "# LVIS_LFID SHOTNUMBER TIME LONGITUDE_CENTROID LATITUDE_CENTROID ELEVATION_CENTROID LONGITUDE_LOW "
+       "LATITUDE_LOW ELEVATION_LOW\n" +
+           lines(50,
+                 [&](int i) {
+                   const dvec3 p = lvis_point(i);
+                   return line("1654935003  %d  42504.48313  %.6f  %.6f  %.3f  %.6f  %.6f  %.3f\n",
+                               1103940 + i, p.x, p.y, p.z, p.x + 1e-5, p.y, p.z - 3);
+                 }),
+       lvis_point(0),
+       lvis_point(49),
+       50,
+       {},
+       [](const PointCloud& c) { EXPECT_EQ(c.crs, "EPSG:4326"); }});
   const auto nclt_point = [](int i) {
     return dvec3(0.005 * (i % 700) - 1, 20 - 0.01 * i, -0.005 * (i % 97));
   };
@@ -315,7 +333,7 @@ std::vector<DialectFile> dialects() {
 
 TEST(Dialects, AllAreReadRight) {
   const std::vector<DialectFile> all = dialects();
-  EXPECT_EQ(all.size(), 28u);
+  EXPECT_EQ(all.size(), 29u);
   for (const DialectFile& file : all) {
     SCOPED_TRACE(file.name);
     std::optional<io::ReadResult> read;

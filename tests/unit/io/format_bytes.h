@@ -3,6 +3,7 @@
 
 #include <zlib.h>
 
+#include <array>
 #include <cstdint>
 #include <numbers>
 #include <string>
@@ -11,6 +12,7 @@
 
 #ifdef SFUMATO_DRACO
 #include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <draco/point_cloud/point_cloud_builder.h>
 #endif
 
@@ -228,6 +230,32 @@ inline std::string draco_cloud() {
   draco::EncoderBuffer buffer;
   encoder.SetEncodingMethod(draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
   if (!encoder.EncodePointCloudToBuffer(*cloud, &buffer).ok()) return {};
+  return {buffer.data(), buffer.size()};
+}
+
+/// A square of so many triangles in the plane z = 2, from 0 0 to 10 10, red; by one of Draco's two encodings.
+inline std::string draco_mesh(int encoding, int across = 8) {
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(2 * across * across);
+  const int place = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int color = builder.AddAttribute(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8);
+  const std::uint8_t red[] = {255, 0, 0};
+  std::uint32_t face = 0;
+  const auto add = [&](int x0, int y0, int x1, int y1, int x2, int y2) {
+    const auto at = [&](int x, int y) {
+      return std::array<float, 3>{10 * float(x) / float(across), 10 * float(y) / float(across), 2};
+    };
+    const auto a = at(x0, y0), b = at(x1, y1), c = at(x2, y2);
+    builder.SetAttributeValuesForFace(place, draco::FaceIndex(face), a.data(), b.data(), c.data());
+    builder.SetAttributeValuesForFace(color, draco::FaceIndex(face++), red, red, red);
+  };
+  for (int x = 0; x < across; ++x)
+    for (int y = 0; y < across; ++y) add(x, y, x + 1, y, x, y + 1), add(x + 1, y, x + 1, y + 1, x, y + 1);
+  const auto mesh = builder.Finalize();
+  draco::Encoder encoder;
+  draco::EncoderBuffer buffer;
+  encoder.SetEncodingMethod(encoding);
+  if (!mesh || !encoder.EncodeMeshToBuffer(*mesh, &buffer).ok()) return {};
   return {buffer.data(), buffer.size()};
 }
 #endif

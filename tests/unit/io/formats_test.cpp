@@ -289,6 +289,36 @@ TEST(Draco, PointsColoursAndScalars) {
     EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
   }
 }
+
+TEST(Draco, MeshesAreSampledOnTheirFaces) {
+  for (const int encoding : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const std::string bytes = draco_mesh(encoding);
+    const auto file = test::write_file("mesh.drc", bytes);
+    const PointCloud vertices = io::read(file).cloud;
+    EXPECT_EQ(vertices.size(), 81u) << encoding;
+    EXPECT_EQ(io::read_mesh(file).triangles.size(), 128u) << encoding;
+    io::ReadOptions drawn;
+    drawn.samples_faces = true;
+    const PointCloud cloud = io::read(file, drawn).cloud;
+    EXPECT_TRUE(cloud.of_faces);
+    EXPECT_EQ(cloud.up, UpAxis::pos_y) << "as of other meshes";
+    ASSERT_GT(cloud.size(), 100'000u) << "about one a pixel";
+    std::array<std::size_t, 25> places{};
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const dvec3 p = cloud.world(i);
+      ASSERT_NEAR(p.z, 2, 1e-5);
+      EXPECT_EQ(cloud.colors.at(i), (Rgba8{255, 0, 0, 255}));
+      ++places[std::size_t(std::clamp(p.x / 2, 0.0, 4.0)) * 5 + std::size_t(std::clamp(p.y / 2, 0.0, 4.0))];
+    }
+    const auto [least, most] = std::minmax_element(places.begin(), places.end());
+    EXPECT_GT(double(*least), 0.9 * double(*most)) << "evenly";
+    for (std::size_t length = 0; length < bytes.size(); length += 13) {
+      const auto error = test::error_of(test::write_file("cut.drc", bytes.substr(0, length)));
+      ASSERT_TRUE(error) << length;
+      EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
+    }
+  }
+}
 #endif
 
 TEST(Kitti, FloatsByExtension) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <glm/gtc/packing.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -393,6 +395,62 @@ TEST(StrangersKinds, SplatsInBuckets) {
   std::string too_many = ksplat(1);
   too_many[4096 + 8] = 1;  // buckets of one
   EXPECT_THROW(io::read(write_file("c.ksplat", too_many)), Error);
+}
+
+TEST(StrangersKinds, ModelsOfVisualSfm) {
+  const std::string head =
+      "NVM_V3 \n\n2\na b.jpg\t1474.5 0.1 0.2 -0.9 -0.1 0.5 0.5 -1.4 -0.002 0 \nb.jpg\t1480 1 0 0 0 1 2 3 0 "
+      "0\n\n3\n";
+  const std::string points =
+      "1.5 -2 3.25 10 20 30 2 0 7 1.5 -2.5 1 8 0 0 \n-1 0 1e-1 0 255 3 3 0 1 2 3 1 2 3 4 1 5 6 7\n"
+      "4 5 6 7 8 9 2 0 1 1 1 1 1 1 1\n";
+  const io::ReadResult read = io::read(write_file("a.nvm", head + points + "\n0\n\n#the last model\n0\n"));
+  const PointCloud& cloud = read.cloud;
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(cloud.world(0), dvec3(1.5, -2, 3.25));
+  EXPECT_NEAR(cloud.world(1).z, 0.1, 1e-7);
+  EXPECT_EQ(cloud.colors.at(1), (Rgba8{0, 255, 3, 255}));
+  EXPECT_EQ(cloud.scalar("track_length")->value(1), 3);
+  EXPECT_EQ(cloud.up, UpAxis::neg_y);
+  const io::ReadResult cut = io::read(write_file("b.nvm", head + points.substr(0, points.size() - 30)));
+  EXPECT_EQ(cut.cloud.size(), 2u);
+  EXPECT_EQ(cut.report.points_missing, 1u);
+  for (const std::string& damaged :
+       {head, head.substr(0, 20), std::string("NVM_V3\n"), "NVM_V3\n0\n1\n1 2 z 1 2 3 4\n" + std::string()})
+    EXPECT_THROW(io::read(write_file("c.nvm", damaged)), Error) << damaged;
+}
+
+TEST(StrangersKinds, SplatsOfSpz) {
+  const std::vector<dvec3> places{{1.5, -2.25, 100}, {-0.5, 0, 0.75}, {8, -1024.25, 3}};
+  for (const std::uint32_t version : {1u, 2u, 3u}) {
+    std::string spz =
+        "NGSP" + test::bytes_of(version, 3u, std::uint8_t(0), std::uint8_t(12), std::uint16_t(0));
+    for (const dvec3& p : places)
+      for (int axis = 0; axis < 3; ++axis)
+        if (version == 1)
+          spz += test::bytes_of(glm::packHalf1x16(float(p[axis])));
+        else
+          spz += test::bytes_of(std::int32_t(p[axis] * 4096)).substr(0, 3);
+    spz += std::string("\xff\xc0\xff", 3);
+    // Terms of 0, 1 and -1: greys of .5, .5 + .282 and .5 - .282.
+    for (const double term : {0.0, 1.0, -1.0})
+      for (int axis = 0; axis < 3; ++axis) spz += char(std::lround(255 * (0.5 + 0.15 * term)));
+    spz += std::string(3 * (version == 3 ? 7 : 6), '\0');
+    const PointCloud cloud = io::read(write_file("a.spz", spz)).cloud;
+    ASSERT_EQ(cloud.size(), 3u) << version;
+    EXPECT_EQ(cloud.up, UpAxis::pos_y);
+    constexpr double half_step = 0.5;  // of a half float from 1024 on
+    const int greys[] = {128, 199, 56};
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_LT(glm::distance(cloud.world(i), places[i]), version == 1 ? half_step : 1e-6) << version;
+      EXPECT_NEAR(cloud.colors.at(i).r, greys[i], 1) << version;
+    }
+    EXPECT_NEAR(cloud.scalar("opacity")->value(1), 192 / 255.0, 1e-6);
+    for (const std::size_t left : {std::size_t(9), std::size_t(16 + 20)})
+      EXPECT_THROW(io::read(write_file("b.spz", spz.substr(0, left))), Error) << version << ", " << left;
+    spz[4] = 4;
+    EXPECT_THROW(io::read(write_file("c.spz", spz)), Error) << "a later version";
+  }
 }
 
 TEST(StrangersKinds, RecordsOfNothingAreLeftOut) {
