@@ -27,6 +27,13 @@ ScalarField elevation(const PointCloud& cloud) {
   return field;
 }
 
+/// Some heights as a field.
+ScalarField field_of(const std::vector<double>& heights) {
+  ScalarField field{"elevation", heights.front(), {}, StoredType::float32};
+  for (const double height : heights) field.values.push_back(float(height - field.offset));
+  return field;
+}
+
 /// 2 and 98 % quantiles of at most a million finite values; all values when these coincide. `is_height`:
 /// widened to 0.1 and 99.9 %, by a fifth at each end at most. What stands highest is few points and much of
 /// the picture: crowns, roofs, ridges; but noise far above or below takes no more than that.
@@ -81,17 +88,20 @@ std::vector<double> places_by_number(const ScalarField& field, const std::array<
   return places;
 }
 
-void color_scalar(const ScalarField& field, const ColorSettings& settings, Coloring& out) {
+/// `deciding`: the values that the range and the places are for.
+void color_scalar(const ScalarField& field, const ScalarField& deciding, const ColorSettings& settings,
+                  Coloring& out) {
   out.kind = ColorKind::scalar;
   out.colormap = !settings.colormap.empty()  ? settings.colormap
                  : out.source == "intensity" ? "gray"
                  : out.source == "elevation" ? "land"
                                              : "viridis";
+  const bool is_height = out.source == "elevation";
   const std::array<double, 2> range =
-      settings.range ? *settings.range : stretch(field, out.source == "elevation", out.source == "intensity");
+      settings.range ? *settings.range : stretch(deciding, is_height, out.source == "intensity");
   out.low = range[0], out.high = range[1];
   const bool is_own = settings.range || !settings.colormap.empty();
-  out.places = out.source == "elevation" && !is_own ? places_by_number(field, range) : settings.places;
+  out.places = is_height && !is_own ? places_by_number(deciding, range) : settings.places;
   const Colormap map = out.ramp();
   std::array<Rgba8, 1024> table;
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = map.at(double(i) / double(table.size() - 1));
@@ -408,10 +418,13 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     color_numbers(*field, out);
   } else if (out.source == "cluster" && settings.colormap.empty() && !settings.range) {
     color_groups(*cloud.scalar(out.source), out);
-  } else {
-    color_scalar(out.source == "elevation" && !cloud.scalar("elevation") ? elevation(cloud)
-                                                                         : *cloud.scalar(out.source),
+  } else if (out.source == "elevation" && !cloud.scalar(out.source)) {
+    const ScalarField heights = elevation(cloud);
+    color_scalar(heights, settings.shown_heights.empty() ? heights : field_of(settings.shown_heights),
                  settings, out);
+  } else {
+    const ScalarField& numbers = *cloud.scalar(out.source);
+    color_scalar(numbers, numbers, settings, out);
   }
   if (out.kind == ColorKind::rgb || out.kind == ColorKind::normal) {
     const std::string why =

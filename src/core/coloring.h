@@ -24,6 +24,9 @@ struct ColorSettings {
   /// Where values that are equally spaced over the range lie on the map, 0 to 1; empty: equally spaced, but
   /// heights with neither map nor range of their own by how many points there are.
   std::vector<double> places;
+  /// Of heights with no range of their own, those that the range and the places are for; empty: of all
+  /// points.
+  std::vector<double> shown_heights;
   std::optional<std::array<double, 2>> shade;  ///< of A*SCALAR: black and full; empty: as `range`
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised

@@ -166,7 +166,7 @@ void move_along_axes(Camera& camera, const dvec3& by) {
 }
 
 Subject within(const Subject& subject, const Reach& around) {
-  Subject near{{}, {}, {}, {}, subject.room};
+  Subject near{{}, {}, {}, {}, 1, subject.room};
   for (std::size_t i = 0; i < subject.points.size(); ++i)
     if (subject.is_framed(i) && glm::distance(subject.points[i], around.place) <= around.radius)
       near.points.push_back(subject.points[i]);
@@ -363,12 +363,13 @@ Subject subject_of(const PointCloud& cloud, bool whole, Progress& progress) {
   const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 200'000);
   std::vector<dvec3> sample;
   for (std::size_t i = 0; i < cloud.size(); i += stride) sample.push_back(cloud.world(i));
-  Subject subject{bounds(cloud), {}, {}, {}, {}};
+  Subject subject{bounds(cloud), {}, {}, {}, 1, {}};
   std::vector<bool> members(sample.size(), true);
   if (cloud.size() >= each_counts) {
     Connected found = connected(sample, robust_bounds(cloud), whole ? gain_whole : gain, progress);
     add_tops(sample, up_vector(cloud.up), found);
     subject.box = found.box, members = std::move(found.members);
+    subject.share = double(std::count(members.begin(), members.end(), true)) / double(members.size());
   }
   const std::vector<dvec3> scanners = scanners_of(cloud);
   const std::size_t thinner = std::max<std::size_t>(1, sample.size() / 50'000);

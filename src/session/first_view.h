@@ -31,6 +31,7 @@ struct Subject {
   std::vector<dvec3> points;  ///< some of those in the box, world
   std::vector<vec3> facing;  ///< where each of them faces: its normal, or the way to the one scanner; or none
   std::vector<bool> framed;  ///< of the points, what hangs together, which the view fits tightly; or all
+  double share = 1;          ///< of the cloud, what is framed
   std::optional<Room> room;  ///< seen from within: walls between it and the camera are not drawn
   bool is_framed(std::size_t i) const { return framed.empty() || framed[i]; }
 };

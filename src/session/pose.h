@@ -23,6 +23,9 @@ struct Pose {
   dvec3 vertical() const { return upright.vertical == dvec3(0) ? up_vector(upright.up) : upright.vertical; }
 };
 
+/// Along the up axis, of some of what the first view is fitted to, where that is not nearly all; else none.
+std::vector<double> shown_heights(const Pose& pose);
+
 /// Turns the cloud's up axis to what the user wants, else what the file says, else what the shape says.
 /// `cutaway`: rooms are seen without the walls before them.
 /// `vertical_exaggeration`: heights become so many times as large, and the scalar `elevation` keeps the true

@@ -137,6 +137,7 @@ void add_density(PointCloud& cloud) {
 std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedCloud*>& clouds) {
   ColorSettings settings = options_.color;
   settings.file_names = file_names_;
+  settings.shown_heights = shown_heights(pose_);
   std::vector<std::vector<Rgba8>> colors;
   PointCloud joined;
   if (clouds.size() > 1) joined = clouds.front()->cloud;

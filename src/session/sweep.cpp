@@ -39,7 +39,7 @@ Subject by_hash(const Subject& subject) {
   for (std::size_t i = 0; i < subject.points.size(); ++i)
     order.emplace_back(analysis::hash_of(subject.points[i]), i);
   std::sort(order.begin(), order.end());
-  Subject sorted{subject.box, {}, {}, {}, subject.room};
+  Subject sorted{subject.box, {}, {}, {}, subject.share, subject.room};
   for (const auto& [hash, i] : order)
     sorted.points.push_back(subject.points[i]), sorted.framed.push_back(subject.is_framed(i));
   return sorted;

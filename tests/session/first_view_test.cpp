@@ -448,6 +448,23 @@ TEST(FirstView, OfASweepWhatIsNearTheSensorFillsThePage) {
   }
 }
 
+TEST(FirstView, HeightsAreThoseOfWhatIsFramed) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> unit(0, 1);
+  PointCloud land = box_of({50, 50, 4});
+  EXPECT_TRUE(shown_heights(pose_of(land)).empty()) << "of all";
+  for (std::size_t i = land.size() / 12; i > 0; --i)
+    land.positions.push_back({900 + unit(random), unit(random), -200 + unit(random)});
+  const std::vector<double> heights = shown_heights(pose_of(land));
+  ASSERT_GT(heights.size(), 100u);
+  EXPECT_GT(*std::min_element(heights.begin(), heights.end()), -1);
+  EXPECT_GT(*std::max_element(heights.begin(), heights.end()), 3.5);
+  PointCloud sweep = street_sweep(dvec3(0), 0, 360);
+  const Pose pose = pose_of(sweep);
+  ASSERT_TRUE(pose.around);
+  EXPECT_EQ(shown_heights(pose).size(), within(pose.subject, pose.around->reach).points.size());
+}
+
 // 2 % of the points behind the walls of the street: a page that is fitted to them is empty below.
 TEST(FirstView, FewPointsAtTheRimOfASweepTakeNoPartOfThePage) {
   for (const double turned_deg : {0.0, 33.0, 140.0}) {

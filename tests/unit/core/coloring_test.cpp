@@ -370,6 +370,28 @@ TEST(Coloring, StretchIgnoresStrayValues) {
   EXPECT_EQ(shown.colors[8], (Rgba8{128, 128, 128, 255}));
 }
 
+TEST(Coloring, TheRampIsForTheHeightsThatAreShown) {
+  PointCloud cloud;
+  cloud.up = UpAxis::pos_z;
+  cloud.origin = {0, 0, 3000};
+  for (int i = 0; i < 1000; ++i) cloud.positions.push_back({float(i), 0, 0.01f * float(i)});
+  for (int i = 0; i < 500; ++i) cloud.positions.push_back({float(i), 9e3f, -80});
+  ColorSettings settings;
+  settings.color_by = "elevation";
+  EXPECT_LT(color_points(cloud, settings).low, 2930);
+  for (int i = 0; i < 200; ++i) settings.shown_heights.push_back(3000 + 0.05 * i);
+  const Coloring shown = color_points(cloud, settings);
+  EXPECT_NEAR(shown.low, 3000, 0.1);
+  EXPECT_NEAR(shown.high, 3009.95, 0.1);
+  EXPECT_NE(shown.colors.at(100), shown.colors.at(900));
+  EXPECT_EQ(shown.colors.at(1000), shown.colors.at(0)) << "what lies lower has the lowest colour";
+  settings.range = {2900, 3000};
+  EXPECT_EQ(color_points(cloud, settings).low, 2900) << "who names a range has it";
+  settings.range.reset();
+  cloud.set_scalar({"elevation", 0, std::vector<float>(cloud.size(), 7), StoredType::float32});
+  EXPECT_EQ(color_points(cloud, settings).low, 7) << "a number of the file's own";
+}
+
 TEST(Coloring, LargeOffsetsAndConstantsKeepTheirColour) {
   PointCloud cloud = ramp(3);
   cloud.set_scalar({"gps_time", 2e8, {0, 0.5f, 1}});
