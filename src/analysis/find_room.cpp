@@ -158,11 +158,18 @@ class Plan {
     for (int x = 0; x < cells_; ++x)
       for (int y = 0; y < cells_; ++y) {
         double& height = ceiling.heights[std::size_t(coarse(y) * across + coarse(x))];
-        // Ceilings reach over the walls and cupboards beside them.
+        if (at(x, y).has_ceiling) height = std::min(height, at(x, y).level - margin * height_);
+      }
+    // Ceilings reach over the walls and cupboards beside them.
+    const std::vector<double> own = ceiling.heights;
+    for (int x = 0; x < cells_; ++x)
+      for (int y = 0; y < cells_; ++y) {
+        const auto cell = std::size_t(coarse(y) * across + coarse(x));
+        if (own[cell] < nothing) continue;
         for (int a = x - 1; a <= x + 1; ++a)
           for (int b = y - 1; b <= y + 1; ++b)
-            if (is_in(a, b) && at(a, b).has_ceiling && (at(x, y).has_ceiling ? a == x && b == y : true))
-              height = std::min(height, at(a, b).level - margin * height_);
+            if (is_in(a, b) && at(a, b).has_ceiling)
+              ceiling.heights[cell] = std::min(ceiling.heights[cell], at(a, b).level - margin * height_);
       }
     add_walls(room);
     return room;

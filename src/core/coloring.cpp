@@ -358,7 +358,8 @@ bool are_of_photographs(const std::vector<Rgba8>& colors) {
   return double(pure) < most_pure * double(all) && !are_labels(colors);
 }
 
-Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
+Coloring color_points(const PointCloud& cloud, const ColorSettings& settings,
+                      const std::vector<double>& shown_heights) {
   Coloring out;
   if (settings.solid) {
     out.source = "one colour";
@@ -420,8 +421,7 @@ Coloring color_points(const PointCloud& cloud, const ColorSettings& settings) {
     color_groups(*cloud.scalar(out.source), out);
   } else if (out.source == "elevation" && !cloud.scalar(out.source)) {
     const ScalarField heights = elevation(cloud);
-    color_scalar(heights, settings.shown_heights.empty() ? heights : field_of(settings.shown_heights),
-                 settings, out);
+    color_scalar(heights, shown_heights.empty() ? heights : field_of(shown_heights), settings, out);
   } else {
     const ScalarField& numbers = *cloud.scalar(out.source);
     color_scalar(numbers, numbers, settings, out);

@@ -24,9 +24,6 @@ struct ColorSettings {
   /// Where values that are equally spaced over the range lie on the map, 0 to 1; empty: equally spaced, but
   /// heights with neither map nor range of their own by how many points there are.
   std::vector<double> places;
-  /// Of heights with no range of their own, those that the range and the places are for; empty: of all
-  /// points.
-  std::vector<double> shown_heights;
   std::optional<std::array<double, 2>> shade;  ///< of A*SCALAR: black and full; empty: as `range`
   std::optional<Rgba8> solid;                  ///< every point has this colour, whatever `color_by` says
   std::optional<double> exposure;       ///< brightness of the file's own colours; empty: dark ones are raised
@@ -79,8 +76,9 @@ std::string resolve_color_by(const PointCloud& cloud, std::string_view color_by)
 /// layers are multiplied. Photographed colours whose lightest tenth is dark, as of a dim room, are raised:
 /// the dark ones by `exposure`, in linear light, the lighter the less, so that hues stay and white stays
 /// white. Categories and scalars never are. Black of points that no photograph shows becomes the median
-/// colour.
-Coloring color_points(const PointCloud& cloud, const ColorSettings& settings);
+/// colour. `shown_heights`: those that the range and the places of heights are for; empty: of all points.
+Coloring color_points(const PointCloud& cloud, const ColorSettings& settings,
+                      const std::vector<double>& shown_heights = {});
 
 /// Numbers that tell things apart instead of measuring them, by their name, and are few: a ramp between
 /// flight line 66 and 67 shows nothing.

@@ -30,7 +30,7 @@ struct DecodeJob {
 /// From the decoder: hello, or what a block holds.
 struct DecodeReply {
   enum Kind : std::uint32_t { hello = 1, block = 2, fault = 3, fields = 4 } kind = hello;
-  std::uint32_t points = 0;  ///< of a block; with `hello` the version
+  std::uint32_t points = 0;  ///< of a block; with `hello` the version; with `fields` 1 of a mesh
   std::uint64_t total = 0;   ///< with `fields`: points in all
   char text[1000] = {};      ///< of a fault: one line; of fields: a name, type and number of components each
 };

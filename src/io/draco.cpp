@@ -40,7 +40,8 @@ std::vector<Column> columns_of(std::string_view text) {
   return columns;
 }
 
-/// Decodes what is wanted of a file: `begin(columns, rows)`, then `take(bytes, count, first)` for each block.
+/// Decodes what is wanted of a file: `begin(columns, rows, is_mesh)`, then `take(bytes, count, first)` for
+/// each block, of records as long as the columns say.
 template <class Begin, class Take>
 void decode(const File& file, Decode what, Progress& progress, const Begin& begin, const Take& take) {
   DecoderJob job;
@@ -59,13 +60,14 @@ void decode(const File& file, Decode what, Progress& progress, const Begin& begi
       reply.total * record > std::max(trusted_bytes, trusted_ratio * file.size()))
     throw DecodeFault(std::to_string(reply.total) + " points or faces, more than its bytes can hold,");
   const auto rows = std::size_t(reply.total);
-  begin(std::move(columns), rows);
+  begin(std::move(columns), rows, reply.points != 0);
   for (std::size_t done = 0; done < rows;) {
     const std::span<std::uint8_t> block = job.next(std::min(most, rows - done), record, progress);
     const std::size_t count = block.size() / record;
     take(reinterpret_cast<const std::byte*>(block.data()), count, done);
     done += count;
-    progress.update(double(done) / double(rows), "decoding points");
+    progress.update(double(done) / double(rows),
+                    what == Decode::draco ? "decoding points" : "decoding faces");
   }
   job.done();
 }
@@ -80,7 +82,14 @@ Faces read_draco_faces(const File& file, const ReadResult& vertices, std::uint64
   try {
     Polygon polygon;
     decode(
-        file, Decode::draco_faces, progress, [](const auto&, std::size_t) {},
+        file, Decode::draco_faces, progress,
+        [](const std::vector<Column>& columns, std::size_t, bool) {
+          const bool are_places =
+              columns.size() == 3 && std::all_of(columns.begin(), columns.end(), [](const Column& column) {
+                return column.layout == StoredType::uint32;
+              });
+          if (!are_places) throw DecodeFault("a decoder out of step");
+        },
         [&](const std::byte* bytes, std::size_t count, std::size_t) {
           for (std::size_t i = 0; i < count; ++i) {
             polygon.clear();
@@ -109,14 +118,15 @@ ReadResult read_draco(const std::filesystem::path& path, const ReadOptions& opti
   std::optional<CloudBuilder> builder;
   std::vector<CloudBuilder::Cursor> cursors;
   std::uint64_t records = 0;
+  bool is_mesh = false;
   try {
     decode(
         file, Decode::draco, progress,
-        [&](std::vector<Column> columns, std::size_t rows) {
+        [&](std::vector<Column> columns, std::size_t rows, bool mesh) {
           if (!assign_roles(columns)) throw DecodeFault("no positions of three numbers");
-          builder.emplace(std::move(columns), rows, false, options.faces != nullptr);
+          builder.emplace(std::move(columns), rows, false, mesh && options.faces);
           cursors.push_back(builder->cursor(0, rows));
-          records = rows;
+          records = rows, is_mesh = mesh;
         },
         [&](const std::byte* bytes, std::size_t count, std::size_t first) {
           builder->decode(cursors[0], bytes, 0, count, first);
@@ -125,9 +135,11 @@ ReadResult read_draco(const std::filesystem::path& path, const ReadOptions& opti
     fail(path, fault.what());
   }
   builder->finish(cursors, result);
-  if (!options.faces) return result;
-  take_faces(file, options, result, [&] { return read_draco_faces(file, result, records, progress); });
-  if (!options.faces->empty()) result.cloud.up = UpAxis::pos_y, result.cloud.provenance = Provenance::model;
+  result.has_faces = is_mesh;
+  if (is_mesh) result.cloud.up = UpAxis::pos_y, result.cloud.provenance = Provenance::model;
+  if (is_mesh && options.faces)
+    take_faces(file, options, result, [&] { return read_draco_faces(file, result, records, progress); });
+  result.cloud.grid_index.clear();
   return result;
 }
 

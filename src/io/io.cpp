@@ -518,8 +518,9 @@ std::optional<ReadResult> read_excerpt(const std::filesystem::path& file, std::s
 Mesh read_mesh(const std::filesystem::path& file, Progress& progress) {
   const Format& format = find_format(file);
   if (!format.has_faces)
-    throw Error(ErrorCode::bad_input, file.string() + ": a " + format.name +
-                                          " file holds no faces; name a .ply, .obj, .stl, .vtk or .vtp");
+    throw Error(ErrorCode::bad_input,
+                file.string() + ": a " + format.name +
+                    " file holds no faces; name a .ply, .obj, .off, .stl, .drc, .vtk or .vtp");
   Faces faces;
   ReadOptions options;
   options.faces = &faces;

@@ -81,7 +81,7 @@ struct ReadReport {
 struct ReadResult {
   PointCloud cloud;  ///< file order
   ReadReport report;
-  bool has_faces = false;  ///< a PLY has some, whether they were wanted or not: its points are vertices
+  bool has_faces = false;  ///< PLY and Draco: whether they were wanted or not, its points are vertices
 };
 
 /// Reads any supported file; the format is found by content first, extension second.

@@ -38,7 +38,8 @@ class Head {
     const std::string_view text = line();
     const char *at = skip_blanks(text.data(), text.data() + text.size()), *end = text.data() + text.size();
     std::uint64_t count = 0;
-    if (std::from_chars(at, end, count).ec != std::errc() || count_words(text) != 1)
+    const auto [behind, error] = std::from_chars(at, end, count);
+    if (error != std::errc() || skip_blanks(behind, end) != end)
       throw LineError("expected a whole number, alone in its line");
     return count;
   }
@@ -58,7 +59,10 @@ ReadResult read_nvm(const std::filesystem::path& path, const ReadOptions&, Progr
   std::uint64_t points = 0;
   try {
     head.line();
-    for (std::uint64_t cameras = head.count(); cameras > 0; --cameras) head.line();
+    for (std::uint64_t cameras = head.count(); cameras > 0; --cameras) {
+      if (cameras % 65'536 == 0) progress.check();
+      head.line();
+    }
     points = head.count();
   } catch (const LineError& error) {
     bad_input(path, "line " + std::to_string(head.line_number()), error.what());
@@ -71,10 +75,11 @@ ReadResult read_nvm(const std::filesystem::path& path, const ReadOptions&, Progr
   const PointLines grammar;
   const TextBlocks text = cut_lines(file, 0, 1, grammar, progress);
   ReadResult result;
+  // Lines follow the points in whole files.
   const std::uint64_t held = text.rows - head.rows,
                       rows =
                           held_points(file, "line " + std::to_string(text.lines),
-                                      held < points ? whole_lines(file, held) : held, points, result.report);
+                                      held <= points ? whole_lines(file, held) : held, points, result.report);
   read_rows(file, text, head.rows, head.rows + rows, grammar, std::move(columns), false, progress, result);
   result.cloud.up = UpAxis::neg_y;  // of the first camera, whose y looks down
   result.cloud.provenance = Provenance::photographs;

@@ -315,9 +315,13 @@ ReadResult read_spz(const std::filesystem::path& path, const ReadOptions&, Progr
   const auto version = number_at<std::uint32_t>(header.data() + 4);
   const std::uint64_t count = number_at<std::uint32_t>(header.data() + 8);
   const auto fraction_bits = number_at<std::uint8_t>(header.data() + 13);
-  if (version < 1 || version > 3 || fraction_bits > 31)
+  if (version < 1 || version > 3)
     bad_input(path, "byte 4",
               "found version " + std::to_string(version) + " of SPZ, expected 1 to 3; export it as PLY");
+  if (version > 1 && fraction_bits > 23)
+    bad_input(path, "byte 13",
+              "found places with " + std::to_string(fraction_bits) +
+                  " bits of 24 behind the point; the file is damaged");
   // All places, then all opacities, all colours; scales, rotations and harmonics are not read.
   const std::uint64_t place_bytes = version == 1 ? 6 : 9;
   if (count > (file.size() - header_bytes) / (place_bytes + 4))

@@ -50,13 +50,13 @@ std::string plain_letters(std::string_view name) {
 /// the thing whose place it is. `Points_m_XYZ:0` leaves 0, `POINT_X` x, `Ellipsoidal height` height.
 std::string core_of(std::string_view name) {
   static const std::set<std::string_view> beside = {
-      "m",        "ft",        "meter",   "meters", "metre",      "metres",      "feet",        "utm",
-      "wgs84",    "etrs89",    "coord",   "coords", "coordinate", "coordinates", "koordinate",  "pos",
-      "position", "positions", "point",   "points", "xyz",        "loc",         "location",    "local",
-      "world",    "map",       "lidar",   "laser",  "cartesian",  "ellipsoidal", "orthometric", "deg",
-      "degree",   "degrees",   "dd",      "value",  "wert",       "gps",         "projected",   "grid",
-      "vertex",   "center",    "mm",      "cm",     "above",      "datum",       "ellipsoid",   "msl",
-      "asl",      "amsl",      "centroid"};
+      "m",        "ft",        "meter", "meters", "metre",      "metres",      "feet",        "utm",
+      "wgs84",    "etrs89",    "coord", "coords", "coordinate", "coordinates", "koordinate",  "pos",
+      "position", "positions", "point", "points", "xyz",        "loc",         "location",    "local",
+      "world",    "map",       "lidar", "laser",  "cartesian",  "ellipsoidal", "orthometric", "deg",
+      "degree",   "degrees",   "dd",    "value",  "wert",       "gps",         "projected",   "grid",
+      "vertex",   "center",    "mm",    "cm",     "above",      "datum",       "ellipsoid",   "msl",
+      "asl",      "amsl"};
   static const std::string_view glued[] = {"coordinate", "koordinate", "coord", "position",
                                            "cartesian",  "points",     "point", "pos"};
   const std::string plain = plain_letters(name);
@@ -78,6 +78,10 @@ std::string core_of(std::string_view name) {
     }
     core += (core.empty() ? "" : " ") + std::string(word);
   }
+  // LONGITUDE_CENTROID is one; `centroid_x` stands beside the axes of something else.
+  constexpr std::string_view centroid = " centroid";
+  if (core.size() > centroid.size() + 2 && core.ends_with(centroid))
+    core.resize(core.size() - centroid.size());
   // Bare numbers are names of pandas, and of anything.
   if (core.size() == 1 && core[0] >= '0' && core[0] <= '2')
     return has_more ? std::string(1, "xyz"[core[0] - '0']) : "";

@@ -59,7 +59,7 @@ std::optional<LocalMetres> degrees_of(const std::string& crs, const Bounds& box,
   const bool is_known = is_geographic(crs);
   const double farthest_east = is_known ? 360 : 180;  // some count on from 180 E
   const dvec3 most = glm::max(glm::abs(box.min), glm::abs(box.max));
-  const bool latitude_first = most.x <= 90 && most.y > 90 && most.y <= 180;
+  const bool latitude_first = most.x <= 90 && most.y > 90 && most.y <= farthest_east;
   if (!(most.x <= farthest_east && most.y <= 90) && !latitude_first) return std::nullopt;
   const double plan = std::max(middle.size().x, middle.size().y);
   if (!is_known && !(crs.empty() && plan > 0 && middle.size().z > thinner * plan)) return std::nullopt;

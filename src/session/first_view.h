@@ -44,6 +44,7 @@ struct Reach {
 /// What a view is fitted to before the camera moves to its right, upwards and back, in distances to its
 /// target.
 struct FittedTo {
+  static constexpr double width_over_height = 16.0 / 9;  ///< of the page that the move was found for
   Reach reach;
   dvec3 move = dvec3(0);
 };

@@ -106,7 +106,12 @@ Camera first_view(const Pose& pose, int width, int height) {
     see_from(camera, *pose.sensor, subject);
   else
     fit(camera, subject);
-  if (pose.around) move_along_axes(camera, pose.around->move);
+  if (pose.around) {
+    // Where the page is narrower than the one that the move was found for, less of it lies aside.
+    dvec3 move = pose.around->move;
+    move.x *= std::min(1.0, double(width) / height / FittedTo::width_over_height);
+    move_along_axes(camera, move);
+  }
   return camera;
 }
 

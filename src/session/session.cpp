@@ -71,9 +71,10 @@ std::vector<PointCloud> Session::cut(PointCloud cloud, const std::vector<std::ui
 namespace {
 
 /// Nothing where the overview does not tell: it has no normals, and lacks numbers that are rare.
-std::optional<Coloring> coloring_of_overview(const PointCloud& overview, const ColorSettings& settings) {
+std::optional<Coloring> coloring_of_overview(const PointCloud& overview, const ColorSettings& settings,
+                                             const std::vector<double>& heights) {
   try {
-    return color_points(overview, settings);
+    return color_points(overview, settings, heights);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -81,8 +82,8 @@ std::optional<Coloring> coloring_of_overview(const PointCloud& overview, const C
 
 /// Colours what is in view as it would be in a picture of everything.
 Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& cloud,
-                    const ColorSettings& settings) {
-  if (!of_all) return color_points(cloud, settings);
+                    const ColorSettings& settings, const std::vector<double>& heights) {
+  if (!of_all) return color_points(cloud, settings, heights);
   ColorSettings resolved = settings;
   if (settings.color_by == "auto") resolved.color_by = of_all->source;
   if (of_all->kind == ColorKind::scalar)
@@ -95,7 +96,7 @@ Coloring color_like(const std::optional<Coloring>& of_all, const PointCloud& clo
     coloring.notes = of_all->notes;
     return coloring;
   } catch (const Error&) {
-    return color_points(cloud, settings);  // what is in view lacks what the whole has
+    return color_points(cloud, settings, heights);  // what is in view lacks what the whole has
   }
 }
 
@@ -137,7 +138,9 @@ void add_density(PointCloud& cloud) {
 std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedCloud*>& clouds) {
   ColorSettings settings = options_.color;
   settings.file_names = file_names_;
-  settings.shown_heights = shown_heights(pose_);
+  // An overview without levels is of a sequence, of which the first view frames one file.
+  const std::vector<double> heights =
+      overview_ && !levels_ && !whole_ ? std::vector<double>{} : shown_heights(pose_);
   std::vector<std::vector<Rgba8>> colors;
   PointCloud joined;
   if (clouds.size() > 1) joined = clouds.front()->cloud;
@@ -147,11 +150,11 @@ std::vector<std::vector<Rgba8>> Session::color(const std::vector<const PreparedC
   const auto color_all = [&] {
     if (overview_)
       of_all = color_of_overview_.at({overview_, settings},
-                                     [&] { return coloring_of_overview(*overview_, settings); });
+                                     [&] { return coloring_of_overview(*overview_, settings, heights); });
     if (of_all && whole.empty())
       coloring_ = *of_all, coloring_.colors.clear();
     else
-      coloring_ = color_like(of_all, whole, settings);
+      coloring_ = color_like(of_all, whole, settings, heights);
   };
   color_all();
   if (settings.color_by == "auto" && !settings.solid) {

@@ -18,6 +18,7 @@ namespace sfumato {
 namespace {
 
 constexpr int width = 1280, height = 720;
+static_assert(double(width) / height == FittedTo::width_over_height);
 
 /// The place of the one sensor around which a sweep was measured: as the file says, else the origin.
 std::optional<dvec3> center_of_sweep(const PointCloud& cloud, const Bounds& box) {

@@ -66,8 +66,9 @@ constexpr char las[] = ".las", laz[] = ".laz", copc[] = ".copc.laz", ply[] = ".p
 void read_mesh(std::string_view bytes) {
   // Text tells its format itself.
   static const MemoryFolder::File ply_file(folder(), "mesh.ply"), obj_file(folder(), "mesh.obj"),
-      stl_file(folder(), "mesh.stl");
+      stl_file(folder(), "mesh.stl"), drc_file(folder(), "mesh.drc");
   const MemoryFolder::File& file = bytes.starts_with("ply")                     ? ply_file
+                                   : bytes.starts_with("DRACO")                 ? drc_file
                                    : bytes.find('\0') != std::string_view::npos ? stl_file
                                                                                 : obj_file;
   file.set(bytes);

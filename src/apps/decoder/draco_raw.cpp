@@ -61,10 +61,16 @@ std::string component_name(const draco::PointCloud& cloud, int attribute, int co
   return one.num_components() == 1 ? name : name + "_" + std::to_string(component);
 }
 
+bool holds_mesh(draco::DecoderBuffer& buffer) {
+  const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
+  return type.ok() && type.value() == draco::TRIANGULAR_MESH;
+}
+
 }  // namespace
 
 struct DracoCloud::State {
   std::unique_ptr<draco::PointCloud> cloud;
+  bool is_mesh = false;
   std::vector<const draco::PointAttribute*> attributes;
   std::string fields;
   std::size_t record_length = 0;
@@ -74,6 +80,7 @@ DracoCloud::DracoCloud(std::span<const std::uint8_t> bytes) : state_(std::make_u
   State& s = *state_;
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  s.is_mesh = holds_mesh(buffer);
   draco::Decoder decoder;
   auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
   if (!decoded.ok()) throw std::runtime_error("\"" + decoded.status().error_msg_string() + "\"");
@@ -96,6 +103,7 @@ DracoCloud::DracoCloud(std::span<const std::uint8_t> bytes) : state_(std::make_u
 DracoCloud::~DracoCloud() = default;
 
 std::uint64_t DracoCloud::points() const { return state_->cloud->num_points(); }
+bool DracoCloud::is_mesh() const { return state_->is_mesh; }
 const std::string& DracoCloud::fields() const { return state_->fields; }
 std::size_t DracoCloud::record_length() const { return state_->record_length; }
 
@@ -116,8 +124,7 @@ struct DracoFaces::State {
 DracoFaces::DracoFaces(std::span<const std::uint8_t> bytes) : state_(std::make_unique<State>()) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
-  if (!type.ok() || type.value() != draco::TRIANGULAR_MESH) return;
+  if (!holds_mesh(buffer)) return;
   draco::Decoder decoder;
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) throw std::runtime_error("\"" + decoded.status().error_msg_string() + "\"");

@@ -14,6 +14,7 @@ class DracoCloud {
   explicit DracoCloud(std::span<const std::uint8_t> bytes);
   ~DracoCloud();
   std::uint64_t points() const;
+  bool is_mesh() const;
   /// "NAME TYPE;" for each number of a record, in order; types as io::StoredType counts them.
   const std::string& fields() const;
   std::size_t record_length() const;

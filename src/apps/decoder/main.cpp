@@ -114,10 +114,11 @@ void decode_laszip(const DecodeJob& job, std::uint8_t* memory) {
 #ifdef SFUMATO_DRACO
 /// What the fields of a record are, and all records: `pack(first, count, records)` writes some.
 template <class Pack>
-void give_records(const DecodeJob& job, std::uint8_t* memory, const std::string& fields, std::uint64_t total,
-                  std::size_t record_length, const Pack& pack) {
+void give_records(const DecodeJob& job, std::uint8_t* memory, const std::string& fields, bool is_mesh,
+                  std::uint64_t total, std::size_t record_length, const Pack& pack) {
   DecodeReply reply;
   reply.kind = DecodeReply::fields;
+  reply.points = is_mesh;
   reply.total = total;
   std::snprintf(reply.text, sizeof reply.text, "%s", fields.c_str());
   answer(reply);
@@ -134,14 +135,14 @@ void give_records(const DecodeJob& job, std::uint8_t* memory, const std::string&
 
 void decode_draco(const DecodeJob& job, std::uint8_t* memory) {
   const sfumato::DracoCloud cloud({memory + job.input, job.input_size});
-  give_records(job, memory, cloud.fields(), cloud.points(), cloud.record_length(),
+  give_records(job, memory, cloud.fields(), cloud.is_mesh(), cloud.points(), cloud.record_length(),
                [&](auto... range) { cloud.pack(range...); });
 }
 
 void decode_draco_faces(const DecodeJob& job, std::uint8_t* memory) {
   const sfumato::DracoFaces mesh({memory + job.input, job.input_size});
   const std::string type = std::to_string(int(sfumato::StoredType::uint32));
-  give_records(job, memory, "a " + type + ";b " + type + ";c " + type + ";", mesh.faces(),
+  give_records(job, memory, "a " + type + ";b " + type + ";c " + type + ";", true, mesh.faces(),
                3 * sizeof(std::uint32_t), [&](auto... range) { mesh.pack(range...); });
 }
 #endif

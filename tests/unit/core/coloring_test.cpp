@@ -379,17 +379,18 @@ TEST(Coloring, TheRampIsForTheHeightsThatAreShown) {
   ColorSettings settings;
   settings.color_by = "elevation";
   EXPECT_LT(color_points(cloud, settings).low, 2930);
-  for (int i = 0; i < 200; ++i) settings.shown_heights.push_back(3000 + 0.05 * i);
-  const Coloring shown = color_points(cloud, settings);
+  std::vector<double> heights;
+  for (int i = 0; i < 200; ++i) heights.push_back(3000 + 0.05 * i);
+  const Coloring shown = color_points(cloud, settings, heights);
   EXPECT_NEAR(shown.low, 3000, 0.1);
   EXPECT_NEAR(shown.high, 3009.95, 0.1);
   EXPECT_NE(shown.colors.at(100), shown.colors.at(900));
   EXPECT_EQ(shown.colors.at(1000), shown.colors.at(0)) << "what lies lower has the lowest colour";
   settings.range = {2900, 3000};
-  EXPECT_EQ(color_points(cloud, settings).low, 2900) << "who names a range has it";
+  EXPECT_EQ(color_points(cloud, settings, heights).low, 2900) << "who names a range has it";
   settings.range.reset();
   cloud.set_scalar({"elevation", 0, std::vector<float>(cloud.size(), 7), StoredType::float32});
-  EXPECT_EQ(color_points(cloud, settings).low, 7) << "a number of the file's own";
+  EXPECT_EQ(color_points(cloud, settings, heights).low, 7) << "a number of the file's own";
 }
 
 TEST(Coloring, LargeOffsetsAndConstantsKeepTheirColour) {

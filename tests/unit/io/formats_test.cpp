@@ -296,6 +296,8 @@ TEST(Draco, MeshesAreSampledOnTheirFaces) {
     const auto file = test::write_file("mesh.drc", bytes);
     const PointCloud vertices = io::read(file).cloud;
     EXPECT_EQ(vertices.size(), 81u) << encoding;
+    EXPECT_EQ(vertices.up, UpAxis::pos_y) << "as of other meshes, though only the vertices were wanted";
+    EXPECT_EQ(vertices.provenance, Provenance::model);
     EXPECT_EQ(io::read_mesh(file).triangles.size(), 128u) << encoding;
     io::ReadOptions drawn;
     drawn.samples_faces = true;
@@ -313,9 +315,22 @@ TEST(Draco, MeshesAreSampledOnTheirFaces) {
     const auto [least, most] = std::minmax_element(places.begin(), places.end());
     EXPECT_GT(double(*least), 0.9 * double(*most)) << "evenly";
     for (std::size_t length = 0; length < bytes.size(); length += 13) {
-      const auto error = test::error_of(test::write_file("cut.drc", bytes.substr(0, length)));
+      const auto error = test::error_of(test::write_file("cut.drc", bytes.substr(0, length)), drawn);
       ASSERT_TRUE(error) << length;
       EXPECT_EQ(error->code(), ErrorCode::bad_input) << error->what();
+    }
+    std::mt19937 random(3);
+    for (int run = 0; run < 60; ++run) {
+      std::string damaged = bytes;
+      damaged[11 + random() % (damaged.size() - 11)] = char(random());
+      const auto at = test::write_file("damaged.drc", damaged);
+      try {
+        const Mesh mesh = io::read_mesh(at);
+        for (const auto& triangle : mesh.triangles)
+          for (const std::uint32_t corner : triangle) ASSERT_LT(corner, mesh.positions.size());
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::bad_input) << error.what();
+      }
     }
   }
 }
