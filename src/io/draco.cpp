@@ -43,7 +43,7 @@ std::vector<Column> columns_of(std::string_view text) {
 /// Decodes what is wanted of a file: `begin(columns, rows, is_mesh)`, then `take(bytes, count, first)` for
 /// each block, of records as long as the columns say.
 template <class Begin, class Take>
-void decode(const File& file, Decode what, Progress& progress, const Begin& begin, const Take& take) {
+void decode_draco(const File& file, Decode what, Progress& progress, const Begin& begin, const Take& take) {
   DecoderJob job;
   const std::span<std::uint8_t> input = job.make_room(std::size_t(file.size()), block_size);
   file.read(0, std::as_writable_bytes(input));
@@ -72,7 +72,7 @@ void decode(const File& file, Decode what, Progress& progress, const Begin& begi
   job.done();
 }
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+[[noreturn]] void fail_draco(const std::filesystem::path& path, const std::string& what) {
   bad_input(path, "byte 0", "found " + what + " in a Draco file; it is truncated or damaged");
 }
 
@@ -81,7 +81,7 @@ Faces read_draco_faces(const File& file, const ReadResult& vertices, std::uint64
   FaceBuilder builder(vertices.cloud, kept_vertices(vertices.cloud, records));
   try {
     Polygon polygon;
-    decode(
+    decode_draco(
         file, Decode::draco_faces, progress,
         [](const std::vector<Column>& columns, std::size_t, bool) {
           const bool are_places =
@@ -100,7 +100,7 @@ Faces read_draco_faces(const File& file, const ReadResult& vertices, std::uint64
           }
         });
   } catch (const DecodeFault& fault) {
-    fail(file.path(), fault.what());
+    fail_draco(file.path(), fault.what());
   }
   return std::move(builder.faces);
 }
@@ -120,7 +120,7 @@ ReadResult read_draco(const std::filesystem::path& path, const ReadOptions& opti
   std::uint64_t records = 0;
   bool is_mesh = false;
   try {
-    decode(
+    decode_draco(
         file, Decode::draco, progress,
         [&](std::vector<Column> columns, std::size_t rows, bool mesh) {
           if (!assign_roles(columns)) throw DecodeFault("no positions of three numbers");
@@ -132,7 +132,7 @@ ReadResult read_draco(const std::filesystem::path& path, const ReadOptions& opti
           builder->decode(cursors[0], bytes, 0, count, first);
         });
   } catch (const DecodeFault& fault) {
-    fail(path, fault.what());
+    fail_draco(path, fault.what());
   }
   builder->finish(cursors, result);
   result.has_faces = is_mesh;

@@ -11,7 +11,7 @@
 namespace sfumato::io {
 namespace {
 
-class PointLines final : public LineGrammar {
+class NvmLines final : public LineGrammar {
  public:
   bool parse(std::string_view line, double* row) const override {
     const char *at = line.data(), *end = at + line.size();
@@ -21,9 +21,9 @@ class PointLines final : public LineGrammar {
   }
 };
 
-class Head {
+class NvmHead {
  public:
-  explicit Head(const File& file) : reader_(file, 0, 1) {}
+  explicit NvmHead(const File& file) : reader_(file, 0, 1) {}
   std::uint64_t rows = 0;  ///< lines that are not blank
 
   std::string_view line() {
@@ -55,7 +55,7 @@ bool is_nvm(std::string_view head) { return head.starts_with("NVM_V3"); }
 
 ReadResult read_nvm(const std::filesystem::path& path, const ReadOptions&, Progress& progress) {
   const File file(path);
-  Head head(file);
+  NvmHead head(file);
   std::uint64_t points = 0;
   try {
     head.line();
@@ -72,7 +72,7 @@ ReadResult read_nvm(const std::filesystem::path& path, const ReadOptions&, Progr
   for (const char* name : {"red", "green", "blue"}) columns.push_back({name, StoredType::uint8});
   columns.push_back({"track_length", StoredType::uint16});
   assign_roles(columns);
-  const PointLines grammar;
+  const NvmLines grammar;
   const TextBlocks text = cut_lines(file, 0, 1, grammar, progress);
   ReadResult result;
   // Lines follow the points in whole files.
