@@ -139,7 +139,6 @@ ReadResult read_draco(const std::filesystem::path& path, const ReadOptions& opti
   if (is_mesh) result.cloud.up = UpAxis::pos_y, result.cloud.provenance = Provenance::model;
   if (is_mesh && options.faces)
     take_faces(file, options, result, [&] { return read_draco_faces(file, result, records, progress); });
-  result.cloud.grid_index.clear();
   return result;
 }
 

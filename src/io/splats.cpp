@@ -51,6 +51,15 @@ void leave_out_faint(ReadResult& result, const std::function<double(std::size_t)
                                 faint);
 }
 
+/// Of what is read of a splat, colours of 0 to 255 and an opacity of 0 to 1.
+std::vector<Column> splat_columns() {
+  std::vector<Column> columns;
+  for (const char* name : {"x", "y", "z", "red", "green", "blue", "opacity"})
+    columns.push_back({name, StoredType::float32});
+  assign_roles(columns);
+  return columns;
+}
+
 constexpr std::uint64_t splats_a_chunk = 256;
 
 const PlyElement* chunks_of(const PlyHeader& header) {
@@ -110,12 +119,7 @@ ReadResult read_packed_splats(const File& file, const PlyHeader& header, Progres
                   " bytes; the file is cut short or damaged");
   PlyWalker walker(file, header.big_endian, header.data_begin);
   std::vector<double> boxes;
-  std::vector<Column> columns{{"x", StoredType::float32},      {"y", StoredType::float32},
-                              {"z", StoredType::float32},      {"red", StoredType::float32},
-                              {"green", StoredType::float32},  {"blue", StoredType::float32},
-                              {"opacity", StoredType::float32}};
-  assign_roles(columns);
-  Table table(std::move(columns), std::size_t(vertex.count));
+  Table table(splat_columns(), std::size_t(vertex.count));
   for (const PlyElement& element : header.elements) {
     if (&element == &chunk) {
       for (std::uint64_t i = 0; i < element.count * element.properties.size(); ++i)
@@ -251,11 +255,7 @@ ReadResult read_ksplat(const std::filesystem::path& path, const ReadOptions&, Pr
   const std::vector<SplatSection> sections = sections_of(file, level);
   std::size_t rows = 0;
   for (const SplatSection& section : sections) rows += std::size_t(section.splats);
-  std::vector<Column> columns;
-  for (const char* name : {"x", "y", "z", "red", "green", "blue", "opacity"})
-    columns.push_back({name, StoredType::float32});
-  assign_roles(columns);
-  Table table(std::move(columns), rows);
+  Table table(splat_columns(), rows);
   std::size_t row = 0;
   const std::size_t color_at = level == 0 ? 40 : 20;
   for (const SplatSection& section : sections) {
@@ -328,11 +328,7 @@ ReadResult read_spz(const std::filesystem::path& path, const ReadOptions&, Progr
     bad_input(path, "byte 8",
               "found " + std::to_string(count) + " splats in " + std::to_string(file.size()) +
                   " bytes; the file is cut short or damaged");
-  std::vector<Column> columns;
-  for (const char* name : {"x", "y", "z", "red", "green", "blue", "opacity"})
-    columns.push_back({name, StoredType::float32});
-  assign_roles(columns);
-  Table table(std::move(columns), std::size_t(count));
+  Table table(splat_columns(), std::size_t(count));
   std::vector<std::byte> bytes(std::size_t(count * (place_bytes + 4)));
   file.read(header_bytes, bytes);
   const std::byte *places = bytes.data(), *opacities = places + count * place_bytes,

@@ -85,12 +85,21 @@ Pose stand_upright(scene::Scene& scene, const std::optional<UpAxis>& asked, bool
   return pose;
 }
 
+namespace {
+
+/// What the first view is fitted to.
+Subject fitted_subject(const Pose& pose) {
+  return pose.around ? within(pose.subject, pose.around->reach) : pose.subject;
+}
+
+}  // namespace
+
 std::vector<double> shown_heights(const Pose& pose) {
   constexpr double nearly_all = 0.99;
   std::vector<double> heights;
   // Exaggerated ones are not those that colours stand for.
   if ((!pose.around && pose.subject.share > nearly_all) || pose.vertical_exaggeration != 1) return heights;
-  const Subject subject = pose.around ? within(pose.subject, pose.around->reach) : pose.subject;
+  const Subject subject = fitted_subject(pose);
   const dvec3 up = up_vector(pose.upright.up);
   for (std::size_t i = 0; i < subject.points.size(); ++i)
     if (subject.is_framed(i)) heights.push_back(glm::dot(up, subject.points[i]));
@@ -98,7 +107,7 @@ std::vector<double> shown_heights(const Pose& pose) {
 }
 
 Camera first_view(const Pose& pose, int width, int height) {
-  const Subject subject = pose.around ? within(pose.subject, pose.around->reach) : pose.subject;
+  const Subject subject = fitted_subject(pose);
   Camera camera = frame(subject.box, pose.upright.up, width, height, glm::radians(pose.upright.azimuth_deg),
                         glm::radians(pose.upright.elevation_deg));
   stand_on(camera, pose.upright.up, pose.vertical());
