@@ -255,6 +255,7 @@ class Soft final : public Technique {
     if (const std::uint32_t count = interior_.overflows(); count > 0)
       lines.push_back(std::to_string(count) +
                       " times more than 64 spheres overlapped in a pixel: their order there is approximate");
+    if (counted_fragments_ > 0) lines.push_back(std::to_string(counted_fragments_) + " fragments");
     return lines;
   }
 
@@ -411,6 +412,7 @@ class Soft final : public Technique {
   }
 
   void draw_soft(Frame& frame, const View& view, SplatShape shape) {
+    counted_fragments_ = 0;
     const Parameters& p = parameters_;
     if (p.clamp_radius) shape.radius_limit = points_.radius_limit();
     Look look;
@@ -441,9 +443,11 @@ class Soft final : public Technique {
     interior_.draw(points_, view, surface_.nearest_t(), frame.target.color, result_, settings, as_quads,
                    frame.timers);
     std::swap(result_, frame.target.color);
+    if (!frame.timers.results().empty()) counted_fragments_ = interior_.fragments();
   }
 
   Parameters parameters_;
+  std::uint64_t counted_fragments_ = 0;  ///< of a picture whose passes are timed
   struct FieldKey {
     std::uint64_t serial;
     FieldSettings settings;
