@@ -18,10 +18,7 @@ namespace {
 
 constexpr int width = 1920, height = 1080;  // as in the paper's Table 2
 
-std::string guanyin() {
-  const char* folder = std::getenv("SFUMATO_TEST_DATA");
-  return std::string(folder ? folder : "../shared/data") + "/Guanyin.ply";
-}
+std::string guanyin() { return (data_folder() / "Guanyin.ply").string(); }
 
 /// Agreement of two partitions, 1 for equal, about 0 for unrelated ones (Hubert and Arabie 1985).
 double adjusted_rand_index(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
