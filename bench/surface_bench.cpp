@@ -19,17 +19,17 @@ void whole_frame(benchmark::State& state) {
 
 /// Time of the passes that `counts` names, one frame per iteration, always from the same camera.
 template <class F>
-void time_passes(benchmark::State& state, Technique& technique, std::size_t count, F counts, int width,
+void time_passes(benchmark::State& state, Technique& technique, const std::string& scene, F counts, int width,
                  int height) {
-  Renderer& renderer = tori_renderer(count);
+  const Stage stage = stage_of(scene, technique.needs());
+  const Camera camera = stage.camera(0, width, height);
   const RenderSettings settings = plain_settings(Shading::lit);
   RenderWants wants;
   wants.timings = true;
-  renderer.render(technique, tori_camera(0, width, height), settings, wants);  // shaders and uploads
+  stage.renderer.render(technique, camera, settings, wants);  // shaders and uploads
   for (auto _ : state) {
     double ms = 0;
-    for (const PassTiming& pass :
-         renderer.render(technique, tori_camera(0, width, height), settings, wants).timings)
+    for (const PassTiming& pass : stage.renderer.render(technique, camera, settings, wants).timings)
       if (counts(std::string_view(pass.name))) ms += pass.ms;
     state.SetIterationTime(1e-3 * ms);
   }
@@ -59,20 +59,23 @@ void screen_part(benchmark::State& state) {
   auto technique = find_technique("surface").create();
   set(*technique, "point_spacing", "0.006");
   time_passes(
-      state, *technique, std::size_t(state.range(0)),
+      state, *technique, std::to_string(state.range(0)),
       [](std::string_view name) {
         return name != "depth" && name != "index" && name != "resolve" && name != "finish";
       },
       1024, 1024);
 }
 
-void one_pass(benchmark::State& state, const char* pass, const char* removal) {
+/// By the operators of the paper.
+void passes_of(benchmark::State& state, const std::string& scene, const std::vector<std::string_view>& passes,
+               const char* removal) {
   auto technique = find_technique("surface").create();
-  set(*technique, "filling", "pull_push");  // the operators of the paper, whose passes these are
+  set(*technique, "filling", "pull_push");
   set(*technique, "hidden_point_removal", removal);
   set(*technique, "window_radius", "25");
   time_passes(
-      state, *technique, std::size_t(state.range(0)), [&](std::string_view name) { return name == pass; },
+      state, *technique, scene,
+      [&](std::string_view name) { return std::find(passes.begin(), passes.end(), name) != passes.end(); },
       paper_width, paper_height);
 }
 
@@ -105,10 +108,18 @@ const bool registered = [] {
   name("frame", whole_frame, {128'000, 1'000'000, 6'000'000});
   name("passes", passes, {1'000'000});
   name("screen", screen_part, {128'000, 6'000'000});
-  name("removal", [](benchmark::State& s) { one_pass(s, "hidden point removal", "pyramid"); }, {1'000'000});
-  name("window", [](benchmark::State& s) { one_pass(s, "hidden point removal", "window"); }, {1'000'000});
-  name("pull_push", [](benchmark::State& s) { one_pass(s, "pull-push", "pyramid"); }, {1'000'000});
-  name("normals", [](benchmark::State& s) { one_pass(s, "normals", "pyramid"); }, {1'000'000});
+  for (const char* scene : {"1000000", "Guanyin.ply", "indoor.laz", "office1.pcd"}) {
+    const auto row = [&](const char* what, const std::vector<std::string_view>& of, const char* removal) {
+      add(std::string("surface/") + what + "/" + scene,
+          [=](benchmark::State& state) { passes_of(state, scene, of, removal); });
+    };
+    row("geometry", {"depth", "index", "resolve"}, "pyramid");
+    row("removal", {"hidden point removal"}, "pyramid");
+    row("window", {"hidden point removal"}, "window");
+    if (std::string_view(scene) != "1000000") continue;
+    row("pull_push", {"pull-push"}, "pyramid");
+    row("normals", {"normals"}, "pyramid");
+  }
   name("copies", copies, {6, 16, 25});
   return true;
 }();
