@@ -1,6 +1,7 @@
 // `surface` and `splats` against what is really there: `make eval-surface`.
 //
-//   eval_surface [--part truth|phase|gap|orbit] [--technique NAME] [--set NAME=VALUE]... [--data FOLDER]
+//   eval_surface [--part truth|noise|phase|gap|orbit] [--technique NAME] [--set NAME=VALUE]... [--data
+//   FOLDER]
 //   [--scene TEXT]
 //
 // Scenes are sampled by area at random, without normals, so that 2, 3, 6 or 10 px lie between points in the
@@ -166,10 +167,11 @@ Errors measure(const View& v, const RenderOutput& out, double spacing) {
   return e;
 }
 
-PointCloud sampled(const View& v, double spacing, int seed) {
+PointCloud sampled(const View& v, double spacing, int seed, double noise = 0) {
   synth::SampleOptions options;
   options.points = int(v.area / (spacing * spacing));
   options.seed = seed;
+  options.sigma = float(noise);
   options.sampling = synth::Sampling::area;
   options.normals.user = false;
   return synth::sample(v.scene, options);
@@ -213,6 +215,27 @@ void against_truth(gl::Context& context, const Arguments& arguments) {
                     100 * e.filled, e.outline, e.outwards);
         std::fflush(stdout);
       }
+    }
+}
+
+/// Points off the surface along its normal, by a normal distribution: what is left of its normals.
+void under_noise(gl::Context& context, const Arguments& arguments) {
+  constexpr double px = 2;
+  const double noises[] = {0, 0.1, 0.3, 0.5, 1, 2};
+  std::printf("\n| scene | technique | normals off, deg, by noise in spacings:");
+  for (const double noise : noises) std::printf(" %g |", noise);
+  std::printf("\n|---|---|---|---|---|---|---|---|\n");
+  for (const View& v : make_views(arguments, 640, 480))
+    for (const std::string& name : arguments.techniques) {
+      std::printf("| %s | %s |", v.name.c_str(), name.c_str());
+      for (const double noise : noises) {
+        const double spacing = v.spacing_for(px);
+        Picture picture(context, name, arguments);
+        picture.take(sampled(v, spacing, 7, noise * spacing));
+        std::printf(" %.2f |", measure(v, picture.at(v.camera), spacing).normal_deg);
+        std::fflush(stdout);
+      }
+      std::printf("\n");
     }
 }
 
@@ -383,6 +406,7 @@ int main(int argc, char** argv) try {
   const Arguments arguments = parse(argc, argv);
   const auto context = gl::Context::create_headless();
   if (arguments.wants("truth")) against_truth(*context, arguments);
+  if (arguments.wants("noise")) under_noise(*context, arguments);
   if (arguments.wants("phase")) phases(*context, arguments);
   if (arguments.wants("gap")) gaps(*context, arguments);
   if (arguments.wants("orbit")) orbits(*context, arguments);

@@ -53,6 +53,7 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
     gl::copy(clusters_[std::size_t(l)], ivec2(0), all_clusters_, ivec2(l > 0 ? width : 0, y),
              ivec2(width >> l, height >> l));
   planes_.set("normal_scale", options.normal_scale)
+      .set("widest_reach", options.widest_reach)
       .set("disc_scale", options.disc_scale)
       .set("levels", levels);
   planes_.set("gap_scale", options.gap_scale).set("widest_px", options.widest_px);

@@ -16,6 +16,7 @@ class Discs {
  public:
   struct Options {
     float normal_scale = 3;   ///< radius of the ball that a plane is fitted to, point spacings
+    float widest_reach = 3;   ///< of one that grows because of noise, point spacings
     float disc_scale = 1.6f;  ///< radius of a disc, point spacings
     float gap_scale = 5;      ///< how far apart points of one surface may be, point spacings
     float widest_px = 64;     ///< radius of the widest disc; tiles_in_reach.glsl looks as far as 64

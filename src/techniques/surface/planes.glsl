@@ -1,5 +1,6 @@
 // The disc that each cluster stands for: the plane of least squares through the clusters within a ball around it, and
-// a radius that closes the surface. Where the points of the ball lie on a line, the ball grows.
+// a radius that closes the surface. Where the points of the ball lie on a line, and where noise tilts the plane, the ball
+// grows.
 #include "techniques/surface/ball.glsl"
 #include "techniques/surface/eigen.glsl"
 #include "techniques/surface/least_spacing.glsl"
@@ -7,7 +8,11 @@
 uniform float normal_scale;  // radius of the ball, point spacings
 uniform float disc_scale;    // radius of a disc, point spacings
 uniform float gap_scale;     // how far apart points of one surface may be, point spacings
+uniform float widest_reach;  // of one that grows because of noise, point spacings
 
+const float most_tilt = 0.0175;      // 1 degree
+// Noise is as thick in a ball of twice the size, an edge twice, a bend four times (analysis/surface_noise.h).
+const float as_thick = 1.4142136;
 const float lone_scale = 0.3;        // of a disc without a plane over one with
 uniform float widest_px;     // radius of the widest disc; of what would be wider nothing but a dot remains
 const float fill_scale = 0.8;        // as in disc.glsl
@@ -24,13 +29,14 @@ bool filter_pixel(ivec2 pixel) {
   Fit fit;
   bool found = false;
   float thickness = 0.0;
+  vec3 values;
   // Coarsely; where that finds no plane or a steep one, finely; then in a ball of twice the size. Nothing is finer than
   // the finest squares.
   bool is_fine = window_around(own.xyz, reach, 4.5).side == window_around(own.xyz, reach, 6.0).side;
   for (int attempt = is_fine ? 1 : 0; attempt < 3 && !found; ++attempt) {
     if (attempt == 2) reach *= 2.0;
     fit = gather(window_around(own.xyz, reach, attempt == 0 ? 4.5 : 6.0));
-    vec3 values = eigenvalues(fit.scatter);
+    values = eigenvalues(fit.scatter);
     if (fit.neighbors < 5 || values.y < 0.06 * values.z) continue;
     if (attempt == 2 && length(fit.mean) > 0.25) break;  // nothing but the rim of a surface beside it
     normal = eigenvector(fit.scatter, values.x);
@@ -40,6 +46,20 @@ bool filter_pixel(ivec2 pixel) {
     // Mean of (1 - d^2)^2 over a disc: a third. 1 / s^2 points on a unit of area.
     float measured = clamp(reach * sqrt(1.0471976 / fit.support), 0.5 * spacing, 2.0 * spacing);
     radius = disc_scale * measured * mix(1.0, 0.8, smoothstep(0.1, 0.4, thickness));
+  }
+  // The slope of a plane of least squares has a variance of the residuals' over that of the places times their number,
+  // which weights of (1 - d^2)^2 make 5/9 of what there is, three times the sum of the weights.
+  if (!found) values = vec3(0.0, 1.0, 1.0);
+  float support = fit.support, wide_reach = reach;
+  while (2.0 * wide_reach <= 1.01 * widest_reach * spacing &&
+         values.x > most_tilt * most_tilt * values.y * 1.6667 * support) {
+    wide_reach *= 2.0;
+    Fit wider = gather(window_around(own.xyz, wide_reach, 4.5));
+    vec3 of_wider = eigenvalues(wider.scatter);
+    if (of_wider.y < 0.06 * of_wider.z || 4.0 * of_wider.x > as_thick * as_thick * values.x) break;
+    normal = eigenvector(wider.scatter, of_wider.x);
+    values = of_wider;
+    support = wider.support;
   }
   if (!found && !fit.behind) radius = lone_scale * disc_scale * spacing;
   if (dot(normal, toward) < 0.0) normal = -normal;

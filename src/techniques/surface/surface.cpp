@@ -114,7 +114,8 @@ class SurfaceTechnique final : public Technique {
     constexpr int removal = 192;
     if (filling_ == Filling::pull_push) return 512;
     const double occluders = 2 * removal_scale_.user.value_or(disc_removal_scale);  // `ball` there
-    const double planes = std::max({2.0 * normal_scale_, double(removal_.gap_scale), occluders});
+    const double planes = std::max(
+        {2.0 * balls(cloud).least, double(balls(cloud).most), double(removal_.gap_scale), occluders});
     // Discs, and outline.glsl and through_gaps.glsl, which look at them from around.
     const double discs = 2 + std::max({2 * discs_options_.disc_scale, removal_.gap_scale, 6.0f});
     return removal + nearest_px(cloud, camera, [&](const Batch& batch) {
@@ -232,9 +233,23 @@ class SurfaceTechnique final : public Technique {
     return {spacing, reach, reach.limits(spacing.largest_px * removal_.gap_scale)};
   }
 
+  /// Radii of the balls that planes are fitted to, point spacings. Of noise, 3 deviations are in the
+  /// smallest. Three spacings wide they are off by a degree where noise is a tenth of a spacing, and by 12
+  /// where it is one: then they grow.
+  struct Balls {
+    float least, most;
+  };
+  Balls balls(const GpuCloud& cloud) const {
+    constexpr float little = 0.1f, deviations = 3, most_noise = 3, grown = 4;
+    const float noise = std::min(cloud.prepared().noise / cloud.median_spacing(), most_noise);
+    const float least = std::max({normal_scale_, 1.0f, deviations * noise});
+    return {least, noise > little ? grown * least : least};
+  }
+
   /// The second half of the default way: planes of the visible points, discs, and their average.
   void draw_discs(Frame& frame, const Tiles& tiles) {
-    discs_options_.normal_scale = std::max(normal_scale_, 1.0f);
+    const auto [least, most] = balls(frame.cloud);
+    discs_options_.normal_scale = least, discs_options_.widest_reach = most;
     discs_options_.gap_scale = removal_.gap_scale;
     const auto [spacing, reach, limits] = evidence_of(frame);
     const int height = frame.camera.whole_height();
