@@ -21,6 +21,7 @@ layout(binding = UNIT_INPUT + MAPS) uniform sampler2D opacity_maps[MAPS];
 layout(r32f, binding = 1) uniform imageBuffer passed;
 #endif
 layout(binding = UNIT_INPUT) uniform sampler2D light_maps[MAPS];
+layout(binding = UNIT_FARTHEST) uniform sampler2D farthest_maps[MAPS];  // of each 4 x 4 texels: light_farthest.glsl
 
 struct LightView {  // as in frame.glsl
   mat4 eye_from_cloud;
@@ -105,7 +106,12 @@ void main() {
       lit = depth < map_here + offset ? 1.0 : 0.0;
       // A texel that a caster only touches is dark as a whole. Who stands behind the caster's rim, in the light, has
       // a neighbour in which the light sees the same surface; what else lies behind the rim says nothing about it.
-      int taps = lit > 0.0 ? 0 : 25;
+      // Most of what is dark lies behind all of them: four squares hold the five by five texels.
+      ivec2 low = max(texel - 2, ivec2(0)) / 4, high = min(texel + 2, size - 1) / 4;
+      float farthest = max(max(texelFetch(farthest_maps[k], low, 0).x, texelFetch(farthest_maps[k], high, 0).x),
+                           max(texelFetch(farthest_maps[k], ivec2(low.x, high.y), 0).x,
+                               texelFetch(farthest_maps[k], ivec2(high.x, low.y), 0).x));
+      int taps = lit > 0.0 || depth - farthest >= offset ? 0 : 25;
       for (int tap = 0; tap < taps; ++tap) {
         ivec2 at = texel + ivec2(tap % 5, tap / 5) - 2;
         float map = texelFetch(light_maps[k], clamp(at, ivec2(0), size - 1), 0).x;

@@ -206,7 +206,7 @@ void ShadowMaps::clear(Clouds clouds) {
   for (gl::Texture* each :
        {&bits_, &closed_, &other_depth_, &other_index_, &state_, &other_state_, &ground_passed_})
     *each = {};
-  for (auto* each : {&maps_, &layer_depth_, &opacity_}) each->clear();
+  for (auto* each : {&maps_, &farthest_, &layer_depth_, &opacity_}) each->clear();
   layer_ = {};
   to_pixels_.forget();
   passed_.clear();
@@ -297,6 +297,10 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
       const View& view = views.emplace_back(cameras[face], origin);
       elsewhere.push_back(cameras.size() > 1 ? 0.0f : 1.0f);  // another face sees it, or nothing casts there
       draw_map(clouds, view, d_min, map, timers);
+      {
+        auto timing = timers.scope("light map fill");
+        find_farthest(map, views.size() - 1);
+      }
       auto timing = timers.scope("lit test");
       if (caught) test_ground(*caught, see_through, elsewhere.back(), view, map, d_min, share);
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
@@ -358,6 +362,7 @@ void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_cam
         layer_pass_.run({&depth, &layer_.index, &state_}, {&other_state_, &opacity});
       });
       std::swap(state_, other_state_);
+      find_farthest(depth, kept);
       is_open = open_.is_set();
     }
     auto timing = timers.scope("lit test");
@@ -408,6 +413,15 @@ void ShadowMaps::draw_map(Clouds clouds, const View& view, float d_min, gl::Text
   }
 }
 
+void ShadowMaps::find_farthest(const gl::Texture& map, std::size_t k) {
+  constexpr int side = 4;
+  if (!farthest_pass_) farthest_pass_ = ScreenPass("passes/light_farthest.glsl", {GL_R32F});
+  farthest_.resize(std::max(farthest_.size(), k + 1));
+  gl::ensure(farthest_[k], "light map, farthest", GL_R32F, (map.width() + side - 1) / side,
+             (map.height() + side - 1) / side);
+  farthest_pass_.run({&map}, {&farthest_[k]});
+}
+
 void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
                              std::span<const gl::Texture> maps, float d_min, float spacings, bool is_first,
                              std::span<const float> elsewhere, float share) {
@@ -420,7 +434,10 @@ void ShadowMaps::test_points(GpuCloud& cloud, LitTest kind, std::span<const View
     if (kind == LitTest::behind_see_through) defines.push_back("PASSED");
     program = gl::Program::compute("passes/lit_test.comp", defines);
   }
-  for (std::size_t k = 0; k < maps.size(); ++k) maps[k].bind(binding::input + int(k));
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    maps[k].bind(binding::input + int(k));
+    farthest_[k].bind(binding::farthest + int(k));
+  }
   for (std::size_t k = 0; k < views.size(); ++k) {
     const std::string name = "views[" + std::to_string(k) + "].";
     const Intrinsics lens = views[k].camera().intrinsics();

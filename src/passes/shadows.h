@@ -107,7 +107,9 @@ class ShadowMaps {
   /// The closed light map of the solid points; a point covers as many texels as the spacing around it asks at
   /// its distance from the light.
   void draw_map(Clouds clouds, const View& view, float d_min, gl::Texture& map, gl::Timers& timers);
-  /// Tests every point of the cloud against all of `maps`: one view each, or layers of one view with their
+  /// The farthest of each 4 x 4 texels of a light map into `farthest_[k]`.
+  void find_farthest(const gl::Texture& map, std::size_t k);
+  /// Tests every point of the cloud against all of `maps`, of which `farthest_` knows: one view each, or layers of one view with their
   /// opacities bound behind. A point is dark from `d_min` behind a map, or `spacings` of those around it if
   /// that is more. `is_first`: the points know nothing yet. `elsewhere`: of each view, light that falls on
   /// what its map does not hold.
@@ -125,11 +127,12 @@ class ShadowMaps {
   int fills_ = 1;
   PointsToPixels to_pixels_;
   Fill fill_;
-  ScreenPass decode_, layer_pass_, ground_pass_[2], ground_layer_;
+  ScreenPass decode_, farthest_pass_, layer_pass_, ground_pass_[2], ground_layer_;
   /// By kind, parallel light, maps at a time.
   std::map<std::tuple<LitTest, bool, std::size_t>, gl::Program> lit_tests_;
   gl::Texture bits_, closed_;
-  std::vector<gl::Texture> maps_;  ///< of the light samples that one visit tests
+  std::vector<gl::Texture> maps_;      ///< of the light samples that one visit tests
+  std::vector<gl::Texture> farthest_;  ///< of those, or of layers
   PixelLayer layer_;
   std::vector<gl::Texture> layer_depth_, opacity_;  ///< of the layers that one visit tests
   gl::Texture other_depth_, other_index_, state_, other_state_, ground_passed_;
