@@ -21,6 +21,7 @@
 #include "core/derived.h"
 #include "gl/context.h"
 #include "passes/shade.h"
+#include "passes/splat_cpu.h"
 #include "techniques/casters.h"
 #include "techniques/denoise/bins.h"
 #include "techniques/denoise/worth.h"
@@ -310,8 +311,9 @@ class Denoise final : public Technique {
     options.overlapping = parameters_.overlapping;
     options.anchor = parameters_.anchor;
     options.miss = parameters_.miss;
-    // Sums of parts add up in any order.
-    options.fast = frame.settings.fast && gl::limits().float_atomics && !frame.visible && !frame.merged;
+    // Sums of parts add up in any order; and native loops are faster still.
+    options.fast = frame.settings.fast && gl::limits().float_atomics && !frame.visible && !frame.merged &&
+                   !SplatCpu::is_used();
     // 4 sigma hold 95 % of a surface's points (notes on splitting); less than two spacings, or two pixels
     // where those are larger, would split what is tilted.
     const float pixel = spacings_.measure(frame.cloud, frame.views).pixel;
