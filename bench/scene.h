@@ -1,5 +1,5 @@
-// What every GPU benchmark shares: one context, the tori in random file order loaded and prepared once, and
-// the camera of the peers' scripts; scans as the command opens and first shows them.
+// What every GPU benchmark shares: one context, the tori in random file order, kept until another cloud is
+// asked for, and the camera of the peers' scripts; scans as the command opens and first shows them.
 #pragma once
 
 #include <benchmark/benchmark.h>

@@ -189,6 +189,7 @@ class Soft final : public Technique {
   int reach_px(const GpuCloud&, const Camera&) const override { return 2; }  // deeper_side.glsl
 
   bool render(Frame& frame) override {
+    counted_fragments_ = 0;
     update_field(frame.cloud);
     frame.cloud.set_field(field_buffers_);
     if (frame.visible && !frame.merged) {
@@ -412,7 +413,6 @@ class Soft final : public Technique {
   }
 
   void draw_soft(Frame& frame, const View& view, SplatShape shape) {
-    counted_fragments_ = 0;
     const Parameters& p = parameters_;
     if (p.clamp_radius) shape.radius_limit = points_.radius_limit();
     Look look;
