@@ -113,6 +113,7 @@ SortedCloud sort_cloud(PointCloud cloud, const PrepareOptions& options, Progress
     prepared.noise = surface_noise(tree);
     if (are_rough(prepared.cloud.normals, tree, options.neighbors)) prepared.cloud.normals = {};
   }
+  prepared.surface_noise = prepared.noise;
   progress.check();
   return sorted;
 }

@@ -151,9 +151,9 @@ struct PreparedCloud {
   float median_spacing = 0;  ///< side of the square per point, scene units: median of R_8 sqrt(pi/8)
   float median_radius = 0;   ///< scene units; 0 while there are no radii
   float radius_limit = 0;    ///< scene units: no disc on a surface needs more; 0: never measured
-  /// Standard deviation of the points off the surfaces they lie on, scene units: the median of those whose
-  /// normals were computed; 0 where most are told as well by their nearest neighbours.
-  float noise = 0;
+  /// Standard deviation of the points off the surfaces they lie on, scene units: of the positions
+  /// (analysis/surface_noise.h), and what is more of those whose normals were computed.
+  float surface_noise = 0, noise = 0;
   Quantiles uncertainty_range;  ///< of the scalar `uncertainty` as stored, i.e. without its offset
   Attributes available;         ///< attributes present, from the file or computed
   Attributes computed;          ///< those of them that were computed: only for techniques that ask for them

@@ -32,6 +32,12 @@ void Discs::allocate(int width, int height) {
   all_clusters_ = gl::Texture("clusters of all levels", GL_RGBA32F, width + width / 2, height);
 }
 
+float Discs::widest_ball(float normal_scale, float spacing, float noise) {
+  const float ball = normal_scale * spacing;
+  if (!(noise > little_noise * spacing)) return 2 * ball;
+  return grown * std::clamp(deviations * noise, ball, most_of_noise * ball);
+}
+
 void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, const gl::Texture& shadowed,
                  const Options& options) {
   const int width = squares.visible().width(), height = squares.visible().height();
@@ -53,7 +59,8 @@ void Discs::find(const NearestPyramid& pyramid, const HiddenPoints& squares, con
     gl::copy(clusters_[std::size_t(l)], ivec2(0), all_clusters_, ivec2(l > 0 ? width : 0, y),
              ivec2(width >> l, height >> l));
   planes_.set("normal_scale", options.normal_scale)
-      .set("widest_reach", options.widest_reach)
+      .set("noise", options.noise)
+      .set("balls_of_noise", vec4(little_noise, deviations, most_of_noise, grown))
       .set("disc_scale", options.disc_scale)
       .set("levels", levels);
   planes_.set("gap_scale", options.gap_scale).set("widest_px", options.widest_px);

@@ -16,12 +16,19 @@ class Discs {
  public:
   struct Options {
     float normal_scale = 3;   ///< radius of the ball that a plane is fitted to, point spacings
-    float widest_reach = 3;   ///< of one that grows because of noise, point spacings
+    float noise = 0;          ///< of the points, scene units; 0: none, or it does not count
     float disc_scale = 1.6f;  ///< radius of a disc, point spacings
     float gap_scale = 5;      ///< how far apart points of one surface may be, point spacings
     float widest_px = 64;     ///< radius of the widest disc; tiles_in_reach.glsl looks as far as 64
     bool with_shadow = false;
   };
+  /// Balls as wide as `normal_scale` leave normals off by a degree or two where noise is a tenth of a
+  /// spacing, and by more with more of it (docs/measurements/surface.md). There they hold so many deviations
+  /// of it, if that makes them at most so many times as wide, and may grow to so many times that.
+  static constexpr float little_noise = 0.1f, deviations = 3, most_of_noise = 3, grown = 4;
+  /// Radius of the widest ball where points are so far apart, scene units.
+  static float widest_ball(float normal_scale, float spacing, float noise);
+
   /// Squares of 2x2 px and coarser ones: centroids of the visible points and how many they are, RGBA32F. The
   /// finest have those of hidden points where there are no others, and their number less than 0.
   static constexpr int levels = NearestPyramid::levels - 1;

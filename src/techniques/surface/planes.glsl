@@ -6,11 +6,12 @@
 #include "techniques/surface/least_spacing.glsl"
 
 uniform float normal_scale;  // radius of the ball, point spacings
+uniform float noise;         // of the points, scene units
+uniform vec4 balls_of_noise; // Discs: little noise, deviations, most of noise, grown
 uniform float disc_scale;    // radius of a disc, point spacings
 uniform float gap_scale;     // how far apart points of one surface may be, point spacings
-uniform float widest_reach;  // of one that grows because of noise, point spacings
 
-const float most_tilt = 0.0175;      // 1 degree
+const float most_tilt = 0.0175;      // 1 degree, root mean square
 // Noise is as thick in a ball of twice the size, an edge twice, a bend four times (analysis/surface_noise.h).
 const float as_thick = 1.4142136;
 const float lone_scale = 0.3;        // of a disc without a plane over one with
@@ -25,7 +26,11 @@ bool filter_pixel(ivec2 pixel) {
   if (own.w <= 0.0) return true;
   float spacing = told_apart(texelFetch(about, pixel, 0).x, -own.z);
   vec3 toward = to_camera(own.xyz), normal = toward;
-  float radius = 0.0, reach = normal_scale * spacing;
+  float radius = 0.0, reach = normal_scale * spacing, widest = reach;
+  if (noise > balls_of_noise.x * spacing) {
+    reach = clamp(balls_of_noise.y * noise, reach, balls_of_noise.z * reach);
+    widest = balls_of_noise.w * reach;
+  }
   Fit fit;
   bool found = false;
   float thickness = 0.0;
@@ -47,12 +52,12 @@ bool filter_pixel(ivec2 pixel) {
     float measured = clamp(reach * sqrt(1.0471976 / fit.support), 0.5 * spacing, 2.0 * spacing);
     radius = disc_scale * measured * mix(1.0, 0.8, smoothstep(0.1, 0.4, thickness));
   }
-  // The slope of a plane of least squares has a variance of the residuals' over that of the places times their number,
-  // which weights of (1 - d^2)^2 make 5/9 of what there is, three times the sum of the weights.
+  // Each axis of a plane of least squares tilts by the variance of the residuals over that of the places times their
+  // number: weights of (1 - d^2)^2 make 5/6 of what there is, three times the sum of the weights.
   if (!found) values = vec3(0.0, 1.0, 1.0);
   float support = fit.support, wide_reach = reach;
-  while (2.0 * wide_reach <= 1.01 * widest_reach * spacing &&
-         values.x > most_tilt * most_tilt * values.y * 1.6667 * support) {
+  while (2.0 * wide_reach <= 1.01 * widest &&
+         values.x * (1.0 / values.y + 1.0 / values.z) > most_tilt * most_tilt * 2.5 * support) {
     wide_reach *= 2.0;
     Fit wider = gather(window_around(own.xyz, wide_reach, 4.5));
     vec3 of_wider = eigenvalues(wider.scatter);

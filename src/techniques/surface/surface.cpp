@@ -100,7 +100,7 @@ class SurfaceTechnique final : public Technique {
     p.add("normal_scale", normal_scale_)
         .range(0, 1000)
         .unit("point spacings")
-        .help("size of the patch a normal is taken from; larger is smoother")
+        .help("size of the patch a normal is taken from; larger is smoother (auto: 3, more where noise asks)")
         .paper("Bouchiba 2018, s_n / s_0");
   }
 
@@ -114,14 +114,21 @@ class SurfaceTechnique final : public Technique {
     constexpr int removal = 192;
     if (filling_ == Filling::pull_push) return 512;
     const double occluders = 2 * removal_scale_.user.value_or(disc_removal_scale);  // `ball` there
-    const double planes = std::max(
-        {2.0 * balls(cloud).least, double(balls(cloud).most), double(removal_.gap_scale), occluders});
+    const double looked_at = std::max(double(removal_.gap_scale), occluders);
     // Discs, and outline.glsl and through_gaps.glsl, which look at them from around.
     const double discs = 2 + std::max({2 * discs_options_.disc_scale, removal_.gap_scale, 6.0f});
-    return removal + nearest_px(cloud, camera, [&](const Batch& batch) {
-             return (planes + discs) *
-                    (point_spacing_.is_auto() ? std::exp2(batch.most_log2_spacing) : point_spacing_.value());
-           });
+    const float noise = noise_of(cloud), scale = std::max(scale_of_normals(), 1.0f);
+    const auto length = [&](const Batch& batch) {
+      const bool given = !point_spacing_.is_auto();
+      const float least = given ? point_spacing_.value() : std::exp2(batch.least_log2_spacing);
+      const float most = given ? point_spacing_.value() : std::exp2(batch.most_log2_spacing);
+      const float ball =
+          std::max(Discs::widest_ball(scale, least, noise), Discs::widest_ball(scale, most, noise));
+      return std::max(double(ball), looked_at * double(most)) + discs * double(most);
+    };
+    // Points count as 1.3 px apart at least (least_spacing.glsl).
+    const int finest = noise > 0 ? int(std::ceil(1.3f * scale * Discs::most_of_noise * Discs::grown)) : 0;
+    return removal + finest + nearest_px(cloud, camera, length);
   }
 
   bool render(Frame& frame) override {
@@ -233,23 +240,16 @@ class SurfaceTechnique final : public Technique {
     return {spacing, reach, reach.limits(spacing.largest_px * removal_.gap_scale)};
   }
 
-  /// Radii of the balls that planes are fitted to, point spacings. Of noise, 3 deviations are in the
-  /// smallest. Three spacings wide they are off by a degree where noise is a tenth of a spacing, and by 12
-  /// where it is one: then they grow.
-  struct Balls {
-    float least, most;
-  };
-  Balls balls(const GpuCloud& cloud) const {
-    constexpr float little = 0.1f, deviations = 3, most_noise = 3, grown = 4;
-    const float noise = std::min(cloud.prepared().noise / cloud.median_spacing(), most_noise);
-    const float least = std::max({normal_scale_, 1.0f, deviations * noise});
-    return {least, noise > little ? grown * least : least};
+  float scale_of_normals() const { return normal_scale_.user.value_or(3.0f); }
+  /// By which planes choose how far they look; who gives `normal_scale` has chosen.
+  float noise_of(const GpuCloud& cloud) const {
+    return normal_scale_.is_auto() ? cloud.prepared().surface_noise : 0;
   }
 
   /// The second half of the default way: planes of the visible points, discs, and their average.
   void draw_discs(Frame& frame, const Tiles& tiles) {
-    const auto [least, most] = balls(frame.cloud);
-    discs_options_.normal_scale = least, discs_options_.widest_reach = most;
+    discs_options_.normal_scale = std::max(normal_scale_.resolve(scale_of_normals()), 1.0f);
+    discs_options_.noise = noise_of(frame.cloud);
     discs_options_.gap_scale = removal_.gap_scale;
     const auto [spacing, reach, limits] = evidence_of(frame);
     const int height = frame.camera.whole_height();
@@ -323,7 +323,7 @@ class SurfaceTechnique final : public Technique {
     }
     set_light_uniforms(pass.program(), wide, settings, frame.light, frame.cloud.prepared().cloud.origin);
     pass.set("offset", tiles.offset).set("hole_threshold", removal_.threshold).set("depth_edge", depth_edge_);
-    pass.set("point_threshold", removal_.point_threshold()).set("normal_scale", normal_scale_);
+    pass.set("point_threshold", removal_.point_threshold()).set("normal_scale", scale_of_normals());
     pass.set("normal_levels", normal_levels);
     const PullPush::Level& filled = pull_push_.filled()[1];
     pass.run(tiles,
@@ -358,16 +358,17 @@ class SurfaceTechnique final : public Technique {
   /// The push levels that some pixel may ask normals from.
   std::pair<int, int> normal_levels(const Frame& frame) {
     const double least =
-        level_of(normal_scale_ * spacing_range(frame).first, frame.camera.far_plane, frame.camera);
+        level_of(scale_of_normals() * spacing_range(frame).first, frame.camera.far_plane, frame.camera);
     return {int(std::clamp(least, 0.0, double(NearestPyramid::levels - 1))),
-            highest_level(normal_scale_, frame)};
+            highest_level(scale_of_normals(), frame)};
   }
 
   Auto<float> point_spacing_;
   HiddenPoints::Options removal_;
   static constexpr float disc_removal_scale = 4;  ///< of filling = discs
   Auto<float> removal_scale_;
-  float normal_scale_ = 3, depth_edge_ = 6;
+  Auto<float> normal_scale_;
+  float depth_edge_ = 6;
 
   Filling filling_ = Filling::discs;
   Discs::Options discs_options_;
