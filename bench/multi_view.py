@@ -126,6 +126,8 @@ def main():
             for number in held_out:
                 places = (number + step * (i // 2 + 1) * (1 - 2 * (i % 2)) for i in range(10 * count))
                 chosen = [place for place in places if frames.path(place, 'depth') and place not in held_out][:count]
+                if len(chosen) < count:
+                    raise SystemExit(f'{options.folder}: {len(chosen)} frames around {number}, {count} are wanted')
                 points, colours = map(np.concatenate, zip(*map(frames.points, chosen)))
                 name = os.path.join(options.keep or scratch, f'{number}_{count}')
                 write_ply(name + '.ply', points, colours)

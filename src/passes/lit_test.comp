@@ -108,9 +108,11 @@ void main() {
       // a neighbour in which the light sees the same surface; what else lies behind the rim says nothing about it.
       // Most of what is dark lies behind all of them: four squares hold the five by five texels.
       ivec2 low = max(texel - 2, ivec2(0)) / 4, high = min(texel + 2, size - 1) / 4;
-      float farthest = max(max(texelFetch(farthest_maps[k], low, 0).x, texelFetch(farthest_maps[k], high, 0).x),
-                           max(texelFetch(farthest_maps[k], ivec2(low.x, high.y), 0).x,
-                               texelFetch(farthest_maps[k], ivec2(high.x, low.y), 0).x));
+      float farthest = 0.0;
+      for (int square = lit > 0.0 ? 4 : 0; square < 4; ++square) {
+        ivec2 at = ivec2((square & 1) != 0 ? high.x : low.x, (square & 2) != 0 ? high.y : low.y);
+        farthest = max(farthest, texelFetch(farthest_maps[k], at, 0).x);
+      }
       int taps = lit > 0.0 || depth - farthest >= offset ? 0 : 25;
       for (int tap = 0; tap < taps; ++tap) {
         ivec2 at = texel + ivec2(tap % 5, tap / 5) - 2;

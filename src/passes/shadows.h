@@ -109,10 +109,10 @@ class ShadowMaps {
   void draw_map(Clouds clouds, const View& view, float d_min, gl::Texture& map, gl::Timers& timers);
   /// The farthest of each 4 x 4 texels of a light map into `farthest_[k]`.
   void find_farthest(const gl::Texture& map, std::size_t k);
-  /// Tests every point of the cloud against all of `maps`, of which `farthest_` knows: one view each, or layers of one view with their
-  /// opacities bound behind. A point is dark from `d_min` behind a map, or `spacings` of those around it if
-  /// that is more. `is_first`: the points know nothing yet. `elsewhere`: of each view, light that falls on
-  /// what its map does not hold.
+  /// Tests every point of the cloud against all of `maps`, of which `farthest_` knows: one view each, or
+  /// layers of one view with their opacities bound behind. A point is dark from `d_min` behind a map, or
+  /// `spacings` of those around it if that is more. `is_first`: the points know nothing yet. `elsewhere`: of
+  /// each view, light that falls on what its map does not hold.
   void test_points(GpuCloud& cloud, LitTest kind, std::span<const View> views,
                    std::span<const gl::Texture> maps, float d_min, float spacings, bool is_first,
                    std::span<const float> elsewhere = {}, float share = 0);
