@@ -293,14 +293,10 @@ void ShadowMaps::update(Clouds all, const RenderSettings& asked, const Light& li
       const std::size_t most =
           see_through ? 1 : maps_at_a_time(bytes_of_map(cameras[face]), samples.size() * cameras.size());
       maps_.resize(std::max(maps_.size(), most));
-      gl::Texture& map = maps_[views.size()];
+      const gl::Texture& map = maps_[views.size()];
       const View& view = views.emplace_back(cameras[face], origin);
       elsewhere.push_back(cameras.size() > 1 ? 0.0f : 1.0f);  // another face sees it, or nothing casts there
-      draw_map(clouds, view, d_min, map, timers);
-      {
-        auto timing = timers.scope("light map fill");
-        find_farthest(map, views.size() - 1);
-      }
+      draw_map(clouds, view, d_min, views.size() - 1, timers);
       auto timing = timers.scope("lit test");
       if (caught) test_ground(*caught, see_through, elsewhere.back(), view, map, d_min, share);
       const bool is_last = i + 1 == samples.size() && face + 1 == cameras.size();
@@ -380,8 +376,8 @@ void ShadowMaps::peel(GpuCloud& cloud, Clouds receivers, const Camera& light_cam
   }
 }
 
-void ShadowMaps::draw_map(Clouds clouds, const View& view, float d_min, gl::Texture& map,
-                          gl::Timers& timers) {
+void ShadowMaps::draw_map(Clouds clouds, const View& view, float d_min, std::size_t k, gl::Timers& timers) {
+  gl::Texture& map = maps_[k];
   const CasterRange solid{solid_opacity};
   {
     auto timing = timers.scope("light map");
@@ -411,6 +407,7 @@ void ShadowMaps::draw_map(Clouds clouds, const View& view, float d_min, gl::Text
     if (!decode_) decode_ = ScreenPass("passes/depth_from_bits.glsl", {GL_R32F});
     decode_.run({&bits_}, {&map});
   }
+  find_farthest(map, k);
 }
 
 void ShadowMaps::find_farthest(const gl::Texture& map, std::size_t k) {

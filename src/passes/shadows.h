@@ -104,9 +104,9 @@ class ShadowMaps {
   /// (`passed_`) and the ground. `is_first`: nothing has stopped any of it yet.
   void peel(GpuCloud& caster, Clouds clouds, const Camera& light_camera, float d_min, bool is_first,
             gl::Timers& timers, const Catcher* catcher);
-  /// The closed light map of the solid points; a point covers as many texels as the spacing around it asks at
-  /// its distance from the light.
-  void draw_map(Clouds clouds, const View& view, float d_min, gl::Texture& map, gl::Timers& timers);
+  /// The closed light map of the solid points, `maps_[k]` and `farthest_[k]`; a point covers as many texels
+  /// as the spacing around it asks at its distance from the light.
+  void draw_map(Clouds clouds, const View& view, float d_min, std::size_t k, gl::Timers& timers);
   /// The farthest of each 4 x 4 texels of a light map into `farthest_[k]`.
   void find_farthest(const gl::Texture& map, std::size_t k);
   /// Tests every point of the cloud against all of `maps`, of which `farthest_` knows: one view each, or
