@@ -1,8 +1,7 @@
 // `surface` and `splats` against what is really there: `make eval-surface`.
 //
-//   eval_surface [--part truth|noise|phase|gap|orbit] [--technique NAME] [--set NAME=VALUE]... [--data
-//   FOLDER]
-//   [--scene TEXT]
+//   eval_surface [--part truth|noise|phase|gap|orbit] [--technique NAME] [--set NAME=VALUE]...
+//                [--data FOLDER] [--scene TEXT]
 //
 // Scenes are sampled by area at random, without normals, so that 2, 3, 6 or 10 px lie between points in the
 // middle of the picture. `splats` computes normals from the neighbours in space; `surface` knows nothing

@@ -316,23 +316,32 @@ PointCloud random_sphere(std::size_t count, double noise = 0) {
   return cloud;
 }
 
-/// Median angle between what a picture of the unit sphere has for normals and the sphere's, degrees.
-double normals_off(const RenderOutput& out, const Camera& camera) {
+/// What a picture of the unit sphere is off by: medians of its normals and depths, and wrong pixels by the
+/// length of the outline.
+struct OffSphere {
+  double normals_deg = 0, depth = 0, outline_px = 0;
+};
+OffSphere off_sphere(const RenderOutput& out, const Camera& camera) {
   const Intrinsics k = camera.intrinsics();
   const dmat4 world = camera.inverse_view();
-  std::vector<double> angles;
+  const double distance = glm::length(camera.position);
+  std::vector<double> normals, depths;
+  double wrong = 0;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const dvec3 ray = glm::normalize(dvec3((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1));
       const dvec3 direction(world * glm::dvec4(ray, 0));
-      const double b = -glm::dot(direction, camera.position),
-                   d = b * b - glm::dot(camera.position, camera.position) + 1;
+      const double b = -glm::dot(direction, camera.position), d = b * b - distance * distance + 1;
+      wrong += (d >= 0) != (out.color_linear.at(x, y).a > 0.5f);
       if (d < 0 || std::isinf(out.depth.at(x, y))) continue;
-      const dvec3 normal = camera.position + (b - std::sqrt(d)) * direction;
-      const double cosine = glm::dot(normal, dvec3(out.normal.at(x, y)));
-      angles.push_back(glm::degrees(std::acos(std::clamp(cosine, -1.0, 1.0))));
+      const double t = b - std::sqrt(d);
+      depths.push_back(std::abs(out.depth.at(x, y) + ray.z * t));
+      const dvec3 normal = camera.position + t * direction;
+      normals.push_back(
+          glm::degrees(std::acos(std::clamp(glm::dot(normal, dvec3(out.normal.at(x, y))), -1.0, 1.0))));
     }
-  return median(angles);
+  const double outline = 2 * M_PI * k.fx / std::sqrt(distance * distance - 1);
+  return {median(normals), median(depths), wrong / outline};
 }
 
 // The rows of docs/techniques/surface.md, on another shape: blocks of the screen's grid gave 17 degrees at 6
@@ -345,28 +354,14 @@ TEST_F(SurfaceDiscs, NormalsAndDepthsOfASphereAtEveryDensity) {
     Renderer renderer(context());
     show(renderer, random_sphere(std::size_t(4 * M_PI * std::pow(px_per_unit / px, 2))), {});
     const RenderOutput out = picture(renderer, "surface", camera);
-    const Intrinsics k = camera.intrinsics();
-    const dmat4 world = camera.inverse_view();
-    std::vector<double> depths;
-    double wrong = 0, outline = 0;
-    for (int y = 0; y < 240; ++y)
-      for (int x = 0; x < 240; ++x) {
-        const dvec3 ray = glm::normalize(dvec3((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1));
-        const dvec3 direction(world * glm::dvec4(ray, 0));
-        const double b = -glm::dot(direction, camera.position), d = b * b - distance * distance + 1;
-        wrong += (d >= 0) != (out.color_linear.at(x, y).a > 0.5f);
-        if (d < 0 || std::isinf(out.depth.at(x, y))) continue;
-        const double t = b - std::sqrt(d);
-        depths.push_back(std::abs(out.depth.at(x, y) + ray.z * t) / (px / px_per_unit));
-      }
-    outline = 2 * M_PI * k.fx / std::sqrt(distance * distance - 1);
-    const double normals = normals_off(out, camera);
-    std::cout << px << " px: normals " << normals << " deg, depth " << median(depths)
-              << " spacings, outline off by " << wrong / outline << " px\n";
+    const OffSphere off = off_sphere(out, camera);
+    const double spacings = off.depth / (px / px_per_unit);
+    std::cout << px << " px: normals " << off.normals_deg << " deg, depth " << spacings
+              << " spacings, outline off by " << off.outline_px << " px\n";
     // Twice what is measured: the points are random.
-    EXPECT_LT(normals, 0.45 * px);
-    EXPECT_LT(median(depths), 0.08);
-    EXPECT_LT(wrong / outline, px < 5 ? 1.0 : 0.35 * px);
+    EXPECT_LT(off.normals_deg, 0.45 * px);
+    EXPECT_LT(spacings, 0.08);
+    EXPECT_LT(off.outline_px, px < 5 ? 1.0 : 0.35 * px);
   }
 }
 
@@ -378,7 +373,7 @@ TEST_F(SurfaceDiscs, PlanesSeeAsFarAsNoiseAsks) {
   for (const double noise : {0.5, 1.0}) {
     Renderer renderer(context());
     show(renderer, random_sphere(std::size_t(4 * M_PI / (spacing * spacing)), noise * spacing), {});
-    const double off = normals_off(picture(renderer, "surface", camera), camera);
+    const double off = off_sphere(picture(renderer, "surface", camera), camera).normals_deg;
     std::cout << noise << " spacings: " << off << " deg\n";
     EXPECT_LT(off, 4);
   }
