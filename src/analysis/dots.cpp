@@ -1,17 +1,15 @@
 #include "analysis/dots.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <span>
 #include <utility>
 
-#include "analysis/morton.h"
+#include "analysis/along_curve.h"
 #include "analysis/neighbors.h"
 #include "analysis/normals.h"
 #include "analysis/support.h"
@@ -26,8 +24,6 @@ constexpr int around_dot = int(around_dot_place) - 1;
 constexpr std::size_t eighth = 7;
 /// Sparse ends of a scan are not drawn as balls of so many median spacings and more.
 constexpr float largest_medians = 4;
-/// On either side along the curve.
-constexpr std::size_t looked_at = 2;
 /// Cosine of 30 degrees: discs that are tilted by more against each other do not meet.
 constexpr float of_one_plane = 0.866f;
 /// The share of neighbourhoods that are flat, closed and of one plane: the median of nine trees and forests
@@ -104,16 +100,6 @@ std::vector<vec2> means_of(const Places& places, float largest, Progress& progre
   return means;
 }
 
-/// What is near the usual places tells them apart on the curve, however far a stray one lies.
-std::pair<vec3, vec3> box_along_the_curve(const std::vector<vec3>& places) {
-  PointCloud cloud;
-  cloud.positions = places;
-  const Bounds all = bounds(cloud), usual = robust_bounds(cloud);
-  const double reach = 100 * usual.diagonal();
-  if (reach == 0) return {vec3(all.min), vec3(all.max)};
-  return {vec3(glm::max(all.min, usual.min - reach)), vec3(glm::min(all.max, usual.max + reach))};
-}
-
 }  // namespace
 
 PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64_t points,
@@ -127,17 +113,13 @@ PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64
     return out;
   }
   // Neighbours are found fast along the curve.
-  const auto [low, high] = box_along_the_curve(out.places);
-  const std::vector<std::uint64_t> keys = curve_keys(out.places, low, high);
-  std::vector<std::pair<std::uint64_t, std::size_t>> order;
-  for (std::size_t k = 0; k < count; ++k) order.emplace_back(keys[k], k);
-  std::sort(order.begin(), order.end());
+  const std::vector<std::uint32_t> order = order_along_curve(out.places);
   Places places{std::vector<vec3>(count), std::vector<vec3>(count, vec3(0)), std::vector<float>(count),
                 std::vector<float>(count, std::log2(usual / spacing_at(0, 2))),
                 std::vector<float>(count, 0.5f)};
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
     if (i % 1024 == 0) progress.check();
-    const std::size_t k = order[i].second;
+    const std::size_t k = order[i];
     places.positions[i] = out.places[k];
     std::vector<vec3> near;
     for (const dvec3& at : around.nearest[k]) near.emplace_back(at - around.places[k]);
@@ -164,26 +146,8 @@ std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
   const float unit = prepared.spacing_unit();
   std::vector<vec2> dots(positions.size(), vec2(prepared.median_spacing / unit, 1));
   if (count == 0) return dots;
-  const auto box = box_along_the_curve(placed.places);
-  const std::vector<std::uint64_t> keys = curve_keys(placed.places, box.first, box.second);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
-    progress.check();
-    const auto own_keys =
-        curve_keys(std::span(positions).subspan(range.begin(), range.size()), box.first, box.second);
-    std::size_t at = 0;
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      // The nearest of those that are near along the curve. Points follow it: mostly they are the same.
-      const std::uint64_t key = own_keys[i - range.begin()];
-      if ((at > 0 && keys[at - 1] > key) || (at < count && keys[at] <= key))
-        at = std::size_t(std::upper_bound(keys.begin(), keys.end(), key) - keys.begin());
-      float least = std::numeric_limits<float>::infinity();
-      for (std::size_t k = at - std::min(at, looked_at); k < std::min(count, at + looked_at); ++k) {
-        const vec3 away = placed.places[k] - positions[i];
-        if (const float distance2 = glm::dot(away, away); distance2 < least)
-          least = distance2, dots[i] = placed.dots[k] / vec2(unit, 1);
-      }
-    }
-  });
+  const std::vector<std::uint32_t> nearest = nearest_along_curve(positions, placed.places, progress);
+  for (std::size_t i = 0; i < dots.size(); ++i) dots[i] = placed.dots[nearest[i]] / vec2(unit, 1);
   return dots;
 }
 
