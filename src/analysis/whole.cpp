@@ -9,6 +9,7 @@
 #include "analysis/dots.h"
 #include "analysis/given_normals.h"
 #include "analysis/isolation.h"
+#include "analysis/local_noise.h"
 #include "analysis/morton.h"
 #include "analysis/normals.h"
 #include "analysis/quantiles.h"
@@ -93,6 +94,7 @@ std::shared_ptr<const WholeCloud> whole_of(const CloudFacts& facts, const Neighb
   whole->has_normals = facts.with_normal == facts.points &&
                        !are_rough(normals, NeighborTree(whole->sample.positions), PrepareOptions().neighbors);
   whole->spacing = spacing_along_curve(around.dots, *whole, batch_count(facts.points));
+  whole->placed_noise = noise_at_places(around.dots, origin);
   whole->dots = dots_at(around.dots, origin, facts.points, whole->median_spacing);
   return whole;
 }

@@ -119,6 +119,14 @@ struct PlacedDots {
   std::vector<vec2> dots;
 };
 
+/// How far points lie off their surfaces (analysis/local_noise.h), standard deviations in scene units, at
+/// places along the curve, relative to the cloud's origin.
+struct PlacedNoise {
+  std::vector<vec3> places;
+  std::vector<float> deviations;
+  float of_spacing = 0;  ///< median of those over the spacing of the points there
+};
+
 /// How spacing varies along the curve over a box, relative to the cloud's origin: a place has that of the
 /// stretch that its key lies in (analysis/spacing.h).
 struct PlacedSpacing {
@@ -141,6 +149,7 @@ struct WholeCloud {
   bool is_rough = false;                   ///< computed normals are to be averaged (analysis/wide_normals.h)
   bool has_normals = false;                ///< which its files brought, and which are used
   PlacedDots dots;
+  PlacedNoise placed_noise;
   PlacedSpacing spacing;
   PointCloud sample;
 };
