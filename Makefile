@@ -61,7 +61,7 @@ eval-denoise: all  ## denoise against the truth of synthetic scenes and clean sc
 	@cmake --build build/release --target eval_denoise
 	@build/release/bin/eval_denoise --data "$(SFUMATO_TEST_DATA)" $(ARGS)
 
-eval-layers: all  ## layers against every crossing of every ray through nested tori
+eval-layers: all  ## layers against every crossing of every ray through nested tori, and through pairs of surfaces
 	@cmake --build build/release --target eval_layers
 	@build/release/bin/eval_layers $(ARGS)
 

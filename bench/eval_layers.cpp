@@ -3,10 +3,11 @@
 //   eval_layers [--set NAME=VALUE]... [--points N] [--noise SIGMA] [--map FILE.png]
 //
 // Nested tori, points scattered at random, in the default view at 640 x 480: how many layers each pixel
-// shows, and what those are that should not be there.
+// shows, and what those are that should not be there. Then two surfaces, one behind the other.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "io/image_png.h"
 #include "options.h"
 #include "set_parameter.h"
+#include "synth/random.h"
 #include "synth/synth.h"
 #include "techniques/renderer.h"
 
@@ -182,6 +184,86 @@ void evaluate(Renderer& renderer, const synth::Scene& scene, int points, bool wi
   }
 }
 
+/// Two surfaces one behind the other, a known number of spacings apart: a plane of even density, or a funnel
+/// of which the density falls with the square of the distance, as a scanner leaves it. Points at random.
+struct Pair {
+  bool falls = false;
+  double gap = 3;    ///< local spacings
+  double noise = 0;  ///< deviations along z, local spacings
+  static constexpr double spacing_of_radius = 0.02, innermost = 0.05;
+  static constexpr double even_spacing = 0.01;
+  double spacing_at(double radius) const { return falls ? spacing_of_radius * radius : even_spacing; }
+  double height(int sheet, double radius) const { return -sheet * gap * spacing_at(radius); }
+};
+
+PointCloud sampled(const Pair& pair) {
+  synth::Random random(5, synth::Stream::area, 0);
+  PointCloud cloud;
+  const double turn = 2 * std::numbers::pi, steep = std::log(1 / Pair::innermost);
+  const double area = pair.falls ? turn * steep / (Pair::spacing_of_radius * Pair::spacing_of_radius)
+                                 : 4 / (Pair::even_spacing * Pair::even_spacing);
+  for (int sheet = 0; sheet < 2; ++sheet)
+    for (std::size_t i = 0; i < std::size_t(area); ++i) {
+      glm::dvec2 at(2 * random.uniform() - 1, 2 * random.uniform() - 1);
+      if (pair.falls) {
+        const double radius = Pair::innermost * std::exp(steep * random.uniform()),
+                     angle = turn * random.uniform();
+        at = radius * glm::dvec2(std::cos(angle), std::sin(angle));
+      }
+      const double radius = glm::length(at);
+      const double z = pair.height(sheet, radius) + pair.noise * pair.spacing_at(radius) * random.gaussian();
+      cloud.positions.emplace_back(vec3(dvec3(at, z)));
+    }
+  return cloud;
+}
+
+/// Where a ray from above meets a sheet, as a distance from the axis; -1 outside.
+double radius_where(const Pair& pair, int sheet, const synth::Ray& ray) {
+  double near = (0.1 - ray.origin.z) / ray.direction.z, far = (-0.5 - ray.origin.z) / ray.direction.z;
+  for (int step = 0; step < 50; ++step) {
+    const double t = 0.5 * (near + far);
+    const dvec3 p = ray.origin + t * ray.direction;
+    (p.z > pair.height(sheet, glm::length(glm::dvec2(p))) ? near : far) = t;
+  }
+  const dvec3 p = ray.origin + near * ray.direction;
+  const double radius = glm::length(glm::dvec2(p)), margin = 8 * pair.spacing_at(radius);
+  const bool inside = pair.falls ? radius > Pair::innermost + margin && radius < 1 - margin
+                                 : std::max(std::abs(p.x), std::abs(p.y)) < 1 - margin;
+  return inside ? radius : -1;
+}
+
+void evaluate_pair(Renderer& renderer, const Pair& pair, const Arguments& arguments) {
+  constexpr int looked_for = 4;
+  const auto plain = find_technique("layers").create();
+  PreparedCloud prepared = analysis::prepare(sampled(pair), plain->needs(), {});
+  const Camera camera =
+      frame(bounds(prepared.cloud), UpAxis::pos_z, 640, 480, glm::radians(-45.0), glm::radians(60.0));
+  std::vector<Rgba8> colors(prepared.cloud.size(), Rgba8{180, 180, 180, 255});
+  renderer.set_cloud(std::move(prepared), std::move(colors));
+  Arguments own = arguments;
+  own.values.emplace_back("layers", std::to_string(looked_for));
+  const Stacks found = found_stacks(renderer, camera, own);
+  const Intrinsics k = camera.intrinsics();
+  const dmat4 world = camera.inverse_view();
+  int all = 0, merged = 0, more = 0;
+  double pixels = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const dvec3 slope((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1);
+      const synth::Ray ray{camera.position, glm::normalize(dvec3(world * glm::dvec4(slope, 0)))};
+      const double upper = radius_where(pair, 0, ray);
+      if (upper < 0 || radius_where(pair, 1, ray) < 0) continue;
+      const std::size_t count = found.at(x, y).size();
+      ++all, merged += count<2, more += count> 2;
+      pixels += pair.spacing_at(upper);
+    }
+  const double pixel = glm::length(camera.position - camera.target) / camera.pixels_per_unit();
+  std::printf("| %s | %.1f | %.2f | %.1f | %.1f | %.1f | %.1f |\n", pair.falls ? "falls" : "even", pair.gap,
+              pair.noise, pixels / all / pixel, 100.0 * (all - merged - more) / all, 100.0 * merged / all,
+              100.0 * more / all);
+  std::fflush(stdout);
+}
+
 Arguments parse(int argc, char** argv) {
   Arguments a;
   bench::Options options;
@@ -206,6 +288,13 @@ int main(int argc, char** argv) try {
       "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (bool with_normals : {true, false})
     for (int points : arguments.points) evaluate(renderer, scene, points, with_normals, arguments);
+  std::printf(
+      "\n| density | gap, spacings | noise, spacings | spacing, px | two layers, %% | one | more |\n"
+      "|---|---|---|---|---|---|---|\n");
+  for (const bool falls : {false, true}) {
+    for (const double gap : {2, 3, 4, 6, 8, 12}) evaluate_pair(renderer, {falls, gap, 0}, arguments);
+    for (const double noise : {0.25, 0.5, 1.0}) evaluate_pair(renderer, {falls, 12, noise}, arguments);
+  }
 } catch (const Error& error) {
   std::fprintf(stderr, "eval_layers: %s\n", error.what());
   return 1;

@@ -16,6 +16,7 @@
 #define UNIT_TILES 21         // one texel a tile of the image, above 0 where a pass has to run
 #define UNIT_MORE_INPUTS 22   // 22..24: the ninth texture of the pass and those after it
 #define UNIT_FARTHEST 22      // 22..26: of light maps, in the lit test, which has no more inputs
+#define UNIT_THICKNESS 27     // R32F, of the layer that a point lies in
 
 // Images 0..3 are the outputs of screen passes.
 #define IMAGE_FRAGMENT_CURSOR 4   // R32UI, fragments stored in each pixel, or the first of its list

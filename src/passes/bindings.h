@@ -21,6 +21,7 @@ enum Unit {
   tiles = 21,        ///< one texel a tile of the image
   more_inputs = 22,  ///< 22..24: the ninth texture of the pass and those after it
   farthest = 22,     ///< 22..26: of light maps, in the lit test, which has no more inputs
+  thickness = 27,    ///< of layers
 };
 /// 0..3: outputs of screen passes.
 enum ImageUnit { fragment_cursor_image = 4, fragment_image = 5, progress_image = 6 };

@@ -120,6 +120,14 @@ TEST_F(ItemsTest, LayersBlendOverWhatIsOpaqueBehindThem) {
   const vec4 behind = middle(picture({opaque, {sheet(-1, 0.9f, red), "layers", half}}, camera, albedo()));
   EXPECT_NEAR(behind.r, 0, 1e-3) << "nothing is seen through what is opaque";
   EXPECT_NEAR(behind.b, 1, 1e-3);
+  // A layer in front and one behind it, which ends there, also where nothing is smoothed, as in motion.
+  PointCloud around = sheet(1, 0.9f, red);
+  append(around, sheet(-1, 0.9f, red));
+  const Given unsmoothed{
+      around, "layers", {{"opacity", "0.5"}, {"layers", "4"}, {"smoothing_iterations", "0"}}};
+  const vec4 through = middle(picture({opaque, unsmoothed}, camera, albedo()));
+  EXPECT_NEAR(through.r, 0.5, 1e-3);
+  EXPECT_NEAR(through.b, 0.5, 1e-3);
   // Two layers before it: each lets half through.
   PointCloud two = sheet(1, 0.9f, red);
   append(two, sheet(2, 0.9f, red));

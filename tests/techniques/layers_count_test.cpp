@@ -122,6 +122,55 @@ TEST_F(LayersCountTest, OfNoisyTori) {
   EXPECT_GE(noisy.away, 0.91);
 }
 
+/// Two sheets one behind the other on the left, of which points are `spacing` apart, and two more on the
+/// right, of which they are four times as far: gaps and noise in their own spacings. A noise of each half.
+PointCloud sheets_of_two_densities(double spacing, double gap, double noise_left, double noise_right) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> place(0, 1);
+  std::normal_distribution<double> gauss;
+  PointCloud cloud;
+  for (const bool right : {false, true}) {
+    const double own = right ? 4 * spacing : spacing, noise = right ? noise_right : noise_left;
+    for (int sheet = 0; sheet < 2; ++sheet)
+      for (int i = 0; i < int(2 / (own * own)); ++i)
+        cloud.positions.emplace_back(place(random) - !right, 2 * place(random) - 1,
+                                     own * (noise * gauss(random) - sheet * gap));
+  }
+  return cloud;
+}
+
+// What one number for a whole cloud missed: with the median of spacings and of what all neighbours are off a
+// plane, gaps of four spacings were lost everywhere, and noise of half a spacing was a second layer where
+// points are sparse.
+TEST_F(LayersCountTest, EveryPlaceHasItsOwnThickness) {
+  struct Case {
+    double gap, noise_left, noise_right;
+  };
+  for (const Case& c : {Case{4, 0, 0}, {12, 0.1, 0.5}, {12, 0.5, 0.1}}) {
+    Renderer renderer(context());
+    const auto technique = find_technique("layers").create();
+    show(renderer, sheets_of_two_densities(0.005, c.gap, c.noise_left, c.noise_right), technique->needs());
+    for (const auto& [name, value] : {std::pair("layers", "4"),
+                                      {"opacity", "0.2"},
+                                      {"antialias", "false"},
+                                      {"smoothing_iterations", "0"}})
+      set_parameter(*technique, name, value);
+    RenderSettings settings;
+    settings.transparent = true;
+    settings.shading = Shading::albedo;
+    constexpr int size = 320;
+    const RenderOutput out = renderer.render(*technique, camera_above(5, 2.4, size), settings, all_outputs());
+    for (const bool right : {false, true}) {
+      int all = 0, two = 0;
+      for (int y = size / 4; y < 3 * size / 4; ++y)
+        for (int x = right ? size * 5 / 8 : size / 5; x < (right ? size * 4 / 5 : size * 3 / 8); ++x)
+          ++all, two += std::lround(std::log(1 - out.color_linear.at(x, y).a) / std::log(0.8)) == 2;
+      EXPECT_GT(two, 0.97 * all) << c.gap << " spacings, noise " << (right ? c.noise_right : c.noise_left)
+                                 << (right ? ", sparse" : ", dense");
+    }
+  }
+}
+
 // Points ten pixels apart are discs of twenty: a plane through 5 x 5 pixels would be a piece of one disc.
 TEST_F(LayersCountTest, NormalsFollowTheSpacing) {
   std::mt19937 random(3);

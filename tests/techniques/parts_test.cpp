@@ -974,9 +974,13 @@ TEST_F(PartsTest, NoPartOfLayersDecidesAlone) {
   own->spacing = of_last->spacing, own->median_spacing = of_last->median_spacing;
   const RenderOutput together = by_parts(parts, members);
   EXPECT_GT(differing(by_parts({parts.clouds, own}, members), together, 12), 0.005);
+  // Where all is noise, that of 20 spacings, there is one layer.
+  *own = *parts.whole;
+  for (float& deviation : own->placed_noise.deviations) deviation = 20 * own->median_spacing;
+  EXPECT_GT(differing(by_parts({parts.clouds, own}, members), together, 12), 0.005);
   // So noisy that discs would lie behind one another.
   *own = *parts.whole;
-  own->residual = own->median_spacing;
+  own->placed_noise.of_spacing = 1;
   EXPECT_GT(differing(by_parts({parts.clouds, own}, members), together, 12), 0.002);
 }
 

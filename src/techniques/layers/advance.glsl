@@ -4,31 +4,31 @@
 
 layout(binding = UNIT_INPUT) uniform sampler2D depth_image;   // filled
 layout(binding = UNIT_INPUT + 1) uniform sampler2D limit_image;
+layout(binding = UNIT_INPUT + 2) uniform sampler2D shape_image;  // light.glsl
 #ifdef BLEND
-layout(binding = UNIT_INPUT + 2) uniform sampler2D color_image;
-layout(binding = UNIT_INPUT + 3) uniform sampler2D front_image;
+layout(binding = UNIT_INPUT + 3) uniform sampler2D color_image;
+layout(binding = UNIT_INPUT + 4) uniform sampler2D front_image;
 #endif
 #ifdef SCALE_BY_ANGLE
-layout(binding = UNIT_INPUT + 4) uniform sampler2D cosine_image;  // |n.v|
 const float c_min = 0.1;
 #endif
 layout(r32ui, binding = 7) writeonly uniform uimage2D open_flag;
 
-uniform float d_min;
-uniform float bin;  // power of two, at most d_min / 2
+uniform float bin;  // power of two, at most half of what no layer is thinner than
 
 #ifdef BLEND
 #include "techniques/layers/antialiased.glsl"
 #endif
 
-// The next float: what `d_min` is too small to be added to, 0 among it, still leaves this layer behind.
+// The next float: what a thickness is too small to be added to, 0 among it, still leaves this layer behind.
 float beyond(float depth) { return isinf(depth) ? depth : uintBitsToFloat(floatBitsToUint(depth) + 1u); }
 
 bool filter_pixel(ivec2 pixel) {
   float depth = texelFetch(depth_image, pixel, 0).x;
-  float gap = d_min;
+  vec2 shape = texelFetch(shape_image, pixel, 0).xy;
+  float gap = shape.y;
 #ifdef SCALE_BY_ANGLE
-  gap /= max(texelFetch(cosine_image, pixel, 0).x, c_min);
+  gap /= max(shape.x, c_min);
 #endif
   // Never back towards the eye: filling may have taken a depth from in front of this pixel's last layer.
   // Rounded up to a bin, so that a cascade that keeps one point of a bin finds the same layers as passes;

@@ -1,9 +1,22 @@
 // The colour of a layer's pixel with its edges antialiased. Include after `depth_image`, `color_image` and
-// `d_min`.
+// `shape_image`.
 #include "techniques/layers/edge.glsl"
 #include "techniques/layers/gaussian.glsl"
 
 uniform bool antialias;
+
+// One of its four neighbours lies nearer or farther by more than the layer is thick; background: infinitely
+// far.
+bool is_edge(ivec2 pixel, float depth) {
+  bool is_marked = false;
+  float thickness = texelFetch(shape_image, pixel, 0).y;
+  for (int k = 0; k < 4; ++k) {
+    float neighbor = depth_at(pixel + cross_of_four[k]);
+    // Not the absolute difference: infinity minus infinity is no jump.
+    is_marked = is_marked || max(depth, neighbor) > min(depth, neighbor) + thickness;
+  }
+  return is_marked;
+}
 
 // A pixel on an edge is replaced by the Gaussian of its 3 x 3 pixels, background included. Premultiplied;
 // `covered`: the share of the pixel that the layer covers (COVERED).

@@ -8,10 +8,10 @@ layout(binding = UNIT_INPUT + 1) uniform sampler2D color_image;
 layout(binding = UNIT_INPUT + 2) uniform sampler2D front_image;
 layout(binding = UNIT_INPUT + 3) uniform sampler2D coverage_image;  // of the first layer
 layout(binding = UNIT_INPUT + 4) uniform sampler2D next_coverage_image;
+layout(binding = UNIT_INPUT + 5) uniform sampler2D shape_image;
 
 uniform bool is_followed;  // somewhere: next_coverage_image says where
 uniform bool ends;         // no other layer follows this one
-uniform float d_min;
 
 #define COVERED
 #include "techniques/layers/antialiased.glsl"

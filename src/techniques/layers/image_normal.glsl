@@ -1,10 +1,10 @@
 // Normals of a layer from its depth image, for clouds without: a plane by least squares through 5 x 5 pixels that
 // belong to the same layer. They are as far apart as the points, two spacings to each side and at least two pixels,
 // so that a plane sees several points: each is a disc of that size, whose own depths say nothing of the surface.
-// Include after `depth_image`, `d_min` and `spacing`.
+// Include after `depth_image` and `spacing`.
 
 // World normal towards the camera, or 0 where too few pixels belong together.
-vec3 image_normal(ivec2 pixel, float depth) {
+vec3 image_normal(ivec2 pixel, float depth, float thickness) {
   ivec2 size = textureSize(depth_image, 0);
   int stride = clamp(int(spacing * pixels_at(depth) + 0.5), 1, 64);
   // Depth = c + g . (x, y); moments of the neighbours relative to this pixel.
@@ -16,7 +16,7 @@ vec3 image_normal(ivec2 pixel, float depth) {
       ivec2 at = pixel + stride * ivec2(x, y);
       if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) continue;
       float away = texelFetch(depth_image, at, 0).x - depth;
-      if (!(abs(away) <= d_min)) continue;
+      if (!(abs(away) <= thickness)) continue;
       vec2 o = vec2(x, y);
       n += 1.0;
       z += away;

@@ -18,7 +18,6 @@
 #include <utility>
 
 #include "analysis/spacing.h"
-#include "analysis/survey.h"
 #include "core/derived.h"
 #include "core/error.h"
 #include "passes/bindings.h"
@@ -29,6 +28,7 @@
 #include "techniques/layers/opacity.h"
 #include "techniques/layers/peel.h"
 #include "techniques/layers/screen_extent.h"
+#include "techniques/layers/thickness.h"
 #include "techniques/screen_spacing.h"
 #include "techniques/technique.h"
 
@@ -72,10 +72,9 @@ struct Parameters {
         .at_least(0)
         .unit("scene units")
         .help(
-            "points closer than this behind a layer belong to it (auto: 2 median spacings, or 5 times the "
-            "noise "
-            "where that is more, and a px; of round points 3 spacings and a px for each iteration of "
-            "filling)")
+            "points closer than this behind a layer belong to it (auto: at each place 1.5 spacings, or 5 "
+            "times the noise where that is more, and 1.25 px; of round points 3 spacings and a px for each "
+            "iteration of filling)")
         .paper("d_min");
     p.add("scale_by_angle", scale_by_angle)
         .help("min_layer_distance / |n.v|: a layer seen edge-on is thicker along the view");
@@ -89,7 +88,7 @@ struct Parameters {
     p.add("point_shape", point_shape, {"auto", "disc", "round"})
         .help(
             "disc: in the plane of its normal, which is computed where the cloud has none; round: facing the "
-            "camera, as in the paper; auto: discs, but round where noise is more than 0.75 median spacings");
+            "camera, as in the paper; auto: discs, but round where noise is more than 0.7 spacings");
     p.add("point_size", point_size)
         .point_size()
         .range(0.01, 1e6)
@@ -232,13 +231,13 @@ class Layers final : public Technique {
     ++peeled_;
     const bool is_filled = n_background_ + n_occluded_ > 0;
     fill(frame, frame.merged
-                    ? take_up(*frame.merged)
+                    ? take_up(frame, view)
                     : peel_.next(frame.cloud, view, limit_, depth_, index_, is_filled, frame.timers));
     if (frame.behind) clip(frame);
     // A part blends to know where the layers in front of its points end, which late blending does not decide.
     const bool is_shown =
         (parameters_.show_layer == 0 || parameters_.show_layer == peeled_) && !(frame.visible && knows_last_);
-    if (is_shown || parameters_.scale_by_angle) light(frame, view, is_first_shown() && frame.wants_normal);
+    light(frame, view, is_first_shown() && frame.wants_normal);
     if (is_shown) smooth(frame);
     is_open_ = advance(frame, view, is_shown && !knows_last_);
     if (is_open_) frame.progress.check();
@@ -249,7 +248,7 @@ class Layers final : public Technique {
   layers::ScreenExtent choose_extent(Frame& frame) {
     const PreparedCloud& prepared = frame.cloud.prepared();
     const ScreenSpacing spacing = spacings_.measure(frame.cloud, frame.views);
-    const bool discs = draws_discs(frame.cloud);
+    const bool discs = draws_discs(frame.cloud, frame.progress);
     const float point_size = parameters_.point_size.resolve(discs ? 3.0f : 2.0f);
     footprint_ = {SizeMode::adaptive, point_size};
     const int height = frame.camera.whole_height();
@@ -269,13 +268,16 @@ class Layers final : public Technique {
     n_occluded_ = parameters_.occluded_iterations.resolve(discs && is_sparse ? 2 : n_background_);
     // What a pixel shows of one slanted surface lies apart by a round disc in front (one spacing) and one
     // behind, which bulges by its radius, and by as far as filling brings a depth from. Discs in the surface
-    // lie at its own depths: what is left is its bend within a disc, and noise, from two sigma in front to
-    // three behind.
-    const float thickness = discs ? std::max(2 * frame.cloud.median_spacing(), 5 * residual(frame.cloud))
-                                  : 3 * frame.cloud.median_spacing();
-    const float pixels = discs ? 1 : float(n_background_ + n_occluded_);
-    d_min_ = parameters_.min_layer_distance.resolve(thickness + pixels * spacing.pixel);
-    bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * d_min_)), -60.0f));
+    // lie at its own depths: what is left is its bend within the radius of a disc, and noise, from two sigma
+    // in front to three behind. The quarter of a pixel: where points are closer than pixels, 2 % more of
+    // those at silhouettes are right (make eval-layers).
+    rule_ = discs ? layers::ThicknessRule{1.5f, 5, 1.25f}
+                  : layers::ThicknessRule{3, 0, float(n_background_ + n_occluded_)};
+    const float noise = discs && is_placed() ? thickness_.noise_in_spacings(frame.cloud, frame.progress) : 0;
+    const float usual = frame.cloud.median_spacing() * std::max(rule_.spacings, rule_.deviations * noise);
+    d_min_ = parameters_.min_layer_distance.resolve(usual + rule_.pixels * spacing.pixel);
+    const float least = is_placed() ? layers::least_thickness(prepared, rule_) : d_min_;
+    bin_ = std::exp2(std::max(std::floor(std::log2(0.5f * least)), -60.0f));
     choose_opacities(frame);
 
     // As far as a pixel of the last layer can see: every layer's limit comes from a filled image.
@@ -301,16 +303,12 @@ class Layers final : public Technique {
     footprint_.spacing_is_field = true;
   }
 
-  /// How far points are from the surface, scene units; measured once for a cloud.
-  float residual(const GpuCloud& cloud) {
-    if (const WholeCloud* whole = cloud.prepared().whole.get()) return whole->residual;
-    return residual_.at(cloud.serial(),
-                        [&] { return analysis::plane_residual(cloud.prepared().cloud.positions); });
-  }
+  /// Each place has its own d_min.
+  bool is_placed() const { return parameters_.min_layer_distance.is_auto(); }
 
   /// Noise as large as the spacing tilts normals and scatters discs along the view: they would lie behind one
   /// another.
-  bool draws_discs(const GpuCloud& cloud) {
+  bool draws_discs(const GpuCloud& cloud, Progress& progress) {
     is_noisy_ = false;
     if (parameters_.point_shape == PointShape::round) return false;
     // Of parts all have normals, but for one without points.
@@ -318,7 +316,7 @@ class Layers final : public Technique {
     // Points in one place lie on no surface: edge-on discs there would show nothing.
     if (!(cloud.bounds().diagonal() > 0)) return false;
     is_noisy_ = parameters_.point_shape == PointShape::automatic &&
-                residual(cloud) > most_noise * cloud.median_spacing();
+                thickness_.noise_in_spacings(cloud, progress) > most_noise;
     return !is_noisy_;
   }
 
@@ -354,7 +352,8 @@ class Layers final : public Technique {
     const int w = view.width(), h = view.height();
     for (gl::Texture* t : {&behind_depth_, &next_depth_})
       if (has_behind) gl::ensure(*t, "layer depth", GL_R32F, w, h);
-    gl::ensure(cosine_, "layer cosine", has_categories ? GL_RG32F : GL_R32F, w, h);
+    for (gl::Texture* t : {&shape_, &held_shape_})
+      gl::ensure(*t, "layer shape", has_categories ? GL_RGBA32F : GL_RG32F, w, h);
     for (gl::Texture* t :
          {&depth_, &other_depth_, &held_depth_, &limit_, &other_limit_, &coverage_, &next_coverage_})
       gl::ensure(*t, "layer depth", GL_R32F, w, h);
@@ -381,10 +380,13 @@ class Layers final : public Technique {
 
   /// The layer that all parts show. The index of a point is that of its pixel, by which its colour and normal
   /// are found.
-  const gl::Texture& take_up(const VisiblePoints& merged) {
+  const gl::Texture& take_up(Frame& frame, const View& view) {
+    const VisiblePoints& merged = *frame.merged;
     const std::size_t before = std::size_t(peeled_) - 1;
     const VisiblePoints& layer = before < merged.in_front.size() ? merged.in_front[before] : merged;
     const Image<std::uint32_t>& bits = layer.depth_bits;
+    if (!frame.cloud.prepared().whole)
+      throw Error(ErrorCode::usage, "layers of parts need what is known of the whole cloud");
     if (before > merged.in_front.size() || bits.width() != depth_.width() || bits.height() != depth_.height())
       throw Error(ErrorCode::usage, "layers that parts showed with another camera or other parameters");
     Image<std::uint32_t> pixels(bits.width(), bits.height(), VisiblePoints::nothing);
@@ -398,6 +400,11 @@ class Layers final : public Technique {
     if (has_pixel_normals_) {
       gl::ensure(pixel_normals_, "normals of points", GL_RGBA32F, bits.width(), bits.height());
       pixel_normals_.upload(layer.normals);
+    }
+    if (is_placed()) {
+      gl::ensure(pixel_thickness_, "thickness of points", GL_R32F, bits.width(), bits.height());
+      pixel_thickness_.upload(
+          thickness_.of_pixels(frame.cloud, rule_, layer.depth(), view.camera(), frame.progress));
     }
     return depth_;
   }
@@ -455,15 +462,16 @@ class Layers final : public Technique {
     const int shading = int(frame.settings.shading);
     const bool merged = frame.merged, has_normals = merged ? has_pixel_normals_ : cloud.has_normals();
     ScreenPass& pass = light_[has_normals * 1 + cloud.has_shadow() * 2 + has_list_ * 4 + write_normals * 8 +
-                              has_categories(frame) * 16 + merged * 32 + shading * 64];
+                              has_categories(frame) * 16 + merged * 32 + is_placed() * 64 + shading * 128];
     if (!pass) {
       gl::Defines defines{"SHADING " + std::to_string(shading)};
-      std::vector<GLenum> formats{GL_RGBA32F, has_categories(frame) ? GLenum(GL_RG32F) : GLenum(GL_R32F)};
+      std::vector<GLenum> formats{GL_RGBA32F, has_categories(frame) ? GLenum(GL_RGBA32F) : GLenum(GL_RG32F)};
       if (has_categories(frame)) defines.push_back("CATEGORIES");
       if (merged) defines.push_back("MERGED");
       if (has_normals) defines.push_back("HAS_NORMALS");
       if (cloud.has_shadow()) defines.push_back("HAS_SHADOW");
       if (has_list_) defines.push_back("HAS_OPACITY");
+      if (is_placed()) defines.push_back("PLACED_THICKNESS");
       if (write_normals) {
         defines.push_back("WRITE_NORMAL");
         formats.push_back(GL_RGBA32F);
@@ -472,33 +480,39 @@ class Layers final : public Technique {
     }
     if (!has_list_)
       pass.set("opacity", parameters_.show_layer > 0 ? 1.0f : parameters_.opacity.value().front());
-    if (!has_normals)
-      pass.set("d_min", d_min_)
-          .set("spacing", 0.5f * parameters_.point_size.value() * cloud.median_spacing());
+    if (is_placed())
+      pass.set("thickness_px", rule_.pixels);
+    else
+      pass.set("thickness", d_min_);
+    if (!has_normals) pass.set("spacing", 0.5f * parameters_.point_size.value() * cloud.median_spacing());
     set_light_uniforms(pass.program(), view, frame.settings, frame.light, cloud.prepared().cloud.origin);
     view.bind();
     if (merged) {
       const gl::Texture& normals = has_normals ? pixel_normals_ : pixel_colors_;  // not read
+      if (is_placed()) pixel_thickness_.bind(binding::input + 4);
       if (write_normals)
-        pass.run({&depth_, &index_, &pixel_colors_, &normals}, {&color_, &cosine_, &normal_});
+        pass.run({&depth_, &index_, &pixel_colors_, &normals}, {&color_, &shape_, &normal_});
       else
-        pass.run({&depth_, &index_, &pixel_colors_, &normals}, {&color_, &cosine_});
+        pass.run({&depth_, &index_, &pixel_colors_, &normals}, {&color_, &shape_});
       return;
     }
+    const GpuCloud::Values* thickness =
+        is_placed() && cloud.size() > 0 ? &thickness_.of_points(cloud, rule_, frame.progress) : nullptr;
     cloud.for_each_place(pass, [&](GpuCloud::Chunk& chunk) {
       cloud.bind_geometry(chunk);
       cloud.bind_colors(chunk);
       if (cloud.has_normals()) cloud.bind_normals(chunk);
       if (cloud.has_shadow()) cloud.bind_shadow(chunk);
       if (has_list_) cloud.bind_field(chunk);
+      if (thickness) (*thickness)[std::size_t(&chunk - cloud.chunks().data())].bind(binding::thickness);
       if (write_normals)
-        pass.run({&depth_, &index_}, {&color_, &cosine_, &normal_});
+        pass.run({&depth_, &index_}, {&color_, &shape_, &normal_});
       else
-        pass.run({&depth_, &index_}, {&color_, &cosine_});
+        pass.run({&depth_, &index_}, {&color_, &shape_});
     });
     if (cloud.chunks().empty()) {
       color_.clear(vec4(0));
-      cosine_.clear(vec4(1));
+      shape_.clear(vec4(1, 0, 1, 1));
       normal_.clear(vec4(0, 0, 0, 1));
     }
   }
@@ -511,11 +525,7 @@ class Layers final : public Technique {
       pass = ScreenPass("techniques/layers/smooth.glsl", {GL_RGBA32F},
                         categories ? gl::Defines{"CATEGORIES"} : gl::Defines{});
     for (int i = 0; i < parameters_.smoothing_iterations; ++i) {
-      pass.set("d_min", d_min_);
-      if (categories)
-        pass.run({&color_, &depth_, &cosine_}, {&scratch_});
-      else
-        pass.run({&color_, &depth_}, {&scratch_});
+      pass.run({&color_, &depth_, &shape_}, {&scratch_});
       std::swap(color_, scratch_);
     }
   }
@@ -535,16 +545,15 @@ class Layers final : public Technique {
       if (parameters_.scale_by_angle) defines.push_back("SCALE_BY_ANGLE");
       pass = ScreenPass("techniques/layers/advance.glsl", formats, defines);
     }
-    pass.set("d_min", d_min_).set("bin", bin_);
+    pass.set("bin", bin_);
     if (is_shown) pass.set("antialias", parameters_.antialias);
     view.bind();
     open_.arm();
     if (is_shown) {
-      pass.run({&depth_, &limit_, &color_, &front_, &cosine_}, {&other_limit_, &other_front_});
+      pass.run({&depth_, &limit_, &shape_, &color_, &front_}, {&other_limit_, &other_front_});
       std::swap(front_, other_front_);
     } else {
-      cosine_.bind(binding::input + 4);
-      pass.run({&depth_, &limit_}, {&other_limit_});
+      pass.run({&depth_, &limit_, &shape_}, {&other_limit_});
     }
     std::swap(limit_, other_limit_);
     return open_.is_set();
@@ -561,7 +570,7 @@ class Layers final : public Technique {
   void cover(Frame& frame, const gl::Texture& depth, const gl::Texture& coverage) {
     auto timing = frame.timers.scope("blend");
     if (!cover_) cover_ = ScreenPass("techniques/layers/coverage.glsl", {GL_R32F});
-    cover_.set("d_min", d_min_).set("antialias", parameters_.antialias).run({&depth}, {&coverage});
+    cover_.set("antialias", parameters_.antialias).run({&depth}, {&coverage});
   }
 
   /// Blends the layer before, as it is now known where this one follows it, and holds this one back.
@@ -571,26 +580,26 @@ class Layers final : public Technique {
     if (!is_first) blend_held(frame, true, false);
     std::swap(color_, held_color_);
     std::swap(depth_, held_depth_);
+    std::swap(shape_, held_shape_);
   }
 
   /// `is_followed`: somewhere, as `next_coverage_` says; `ends`: no layer comes after it.
   void blend_held(Frame& frame, bool is_followed, bool ends) {
     auto timing = frame.timers.scope("blend");
     if (!blend_held_) blend_held_ = ScreenPass("techniques/layers/blend_last.glsl", {GL_RGBA32F});
-    blend_held_.set("d_min", d_min_)
-        .set("antialias", parameters_.antialias)
-        .set("is_followed", is_followed)
-        .set("ends", ends);
-    blend_held_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_}, {&other_front_});
+    blend_held_.set("antialias", parameters_.antialias).set("is_followed", is_followed).set("ends", ends);
+    blend_held_.run({&held_depth_, &held_color_, &front_, &coverage_, &next_coverage_, &held_shape_},
+                    {&other_front_});
     std::swap(front_, other_front_);
   }
 
   Parameters parameters_;
-  float d_min_ = 0, bin_ = 0;
-  static constexpr float most_noise = 0.75f;         ///< spacings
+  float d_min_ = 0, bin_ = 0;                        ///< d_min: the usual one, for filling
+  static constexpr float most_noise = 0.7f;          ///< spacings
   static constexpr int farthest_image_normal = 128;  ///< px: image_normal.glsl
   bool is_noisy_ = false;
-  Derived<std::uint64_t, float> residual_;
+  layers::ThicknessRule rule_;
+  layers::Thickness thickness_;
   Derived<std::uint64_t, std::shared_ptr<const GpuCloud::Values>> point_spacings_;
   /// Of a cloud: opacities that a scalar picks from a list.
   struct OpacityKey {
@@ -619,11 +628,11 @@ class Layers final : public Technique {
   gl::Texture behind_depth_, next_depth_;  ///< of scenes with other items
   gl::Texture depth_, other_depth_, limit_, other_limit_, index_, other_index_;
   gl::Texture held_depth_, held_color_, coverage_, next_coverage_;
-  gl::Texture cosine_, normal_, color_, front_, other_front_, scratch_;
+  gl::Texture shape_, held_shape_, normal_, color_, front_, other_front_, scratch_;
   /// Of clouds in parts: what is found of one of them, and what all of them show in a layer.
   PointsToPixels to_pixels_;
   PixelLayer part_;
-  gl::Texture pixel_colors_, pixel_normals_;
+  gl::Texture pixel_colors_, pixel_normals_, pixel_thickness_;
   bool has_pixel_normals_ = false;
   bool is_open_ = true;  ///< a pixel can hold another layer
   std::optional<Round> kept_;
