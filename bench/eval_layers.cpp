@@ -38,17 +38,30 @@ constexpr int most_layers = 13;
 /// Depths of all layers of every pixel, front to back.
 using Stacks = Image<std::vector<double>>;
 
+/// The rays through the middles of a picture's pixels.
+class Rays {
+ public:
+  explicit Rays(const Camera& camera)
+      : eye_(camera.position), k_(camera.intrinsics()), world_(camera.inverse_view()) {}
+  /// To what lies one unit of depth away, in eye space.
+  dvec3 slope(int x, int y) const { return {(x + 0.5 - k_.cx) / k_.fx, -(y + 0.5 - k_.cy) / k_.fy, -1}; }
+  synth::Ray through(int x, int y) const {
+    return {eye_, glm::normalize(dvec3(world_ * glm::dvec4(slope(x, y), 0)))};
+  }
+
+ private:
+  dvec3 eye_;
+  Intrinsics k_;
+  dmat4 world_;
+};
+
 Stacks true_stacks(const synth::Scene& scene, const Camera& camera) {
-  const Intrinsics k = camera.intrinsics();
-  const dmat4 world = camera.inverse_view();
+  const Rays rays(camera);
   Stacks stacks(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y)
-    for (int x = 0; x < camera.width; ++x) {
-      const dvec3 slope((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1);
-      const synth::Ray ray{camera.position, glm::normalize(dvec3(world * glm::dvec4(slope, 0)))};
-      for (const synth::Hit& hit : scene.intersect_all(ray))
-        stacks.at(x, y).push_back(hit.t / glm::length(slope));
-    }
+    for (int x = 0; x < camera.width; ++x)
+      for (const synth::Hit& hit : scene.intersect_all(rays.through(x, y)))
+        stacks.at(x, y).push_back(hit.t / glm::length(rays.slope(x, y)));
   return stacks;
 }
 
@@ -243,18 +256,18 @@ void evaluate_pair(Renderer& renderer, const Pair& pair, const Arguments& argume
   Arguments own = arguments;
   own.values.emplace_back("layers", std::to_string(looked_for));
   const Stacks found = found_stacks(renderer, camera, own);
-  const Intrinsics k = camera.intrinsics();
-  const dmat4 world = camera.inverse_view();
+  const Rays rays(camera);
   int all = 0, merged = 0, more = 0;
   double pixels = 0;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
-      const dvec3 slope((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1);
-      const synth::Ray ray{camera.position, glm::normalize(dvec3(world * glm::dvec4(slope, 0)))};
+      const synth::Ray ray = rays.through(x, y);
       const double upper = radius_where(pair, 0, ray);
       if (upper < 0 || radius_where(pair, 1, ray) < 0) continue;
       const std::size_t count = found.at(x, y).size();
-      ++all, merged += count<2, more += count> 2;
+      ++all;
+      if (count < 2) ++merged;
+      if (count > 2) ++more;
       pixels += pair.spacing_at(upper);
     }
   const double pixel = glm::length(camera.position - camera.target) / camera.pixels_per_unit();

@@ -132,15 +132,17 @@ PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64
   return out;
 }
 
+Neighborhoods around_own_places(const PreparedCloud& prepared) {
+  return neighborhoods_of(NeighborTree(prepared.cloud.positions), prepared.cloud.origin,
+                          first_places(places_in(prepared.cloud), CloudFacts::most_places), around_dot_place);
+}
+
 std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress) {
   const std::vector<vec3>& positions = prepared.cloud.positions;
   PlacedDots own;
-  if (!prepared.whole) {
-    std::vector<dvec3> places = first_places(places_in(prepared.cloud), CloudFacts::most_places);
-    own = dots_at(
-        neighborhoods_of(NeighborTree(positions), prepared.cloud.origin, std::move(places), around_dot_place),
-        prepared.cloud.origin, positions.size(), prepared.median_spacing, progress);
-  }
+  if (!prepared.whole)
+    own = dots_at(around_own_places(prepared), prepared.cloud.origin, positions.size(),
+                  prepared.median_spacing, progress);
   const PlacedDots& placed = prepared.whole ? prepared.whole->dots : own;
   const std::size_t count = placed.places.size();
   const float unit = prepared.spacing_unit();

@@ -16,7 +16,9 @@ namespace sfumato::analysis {
 std::vector<vec2> dots_of(const PreparedCloud& prepared, Progress& progress = no_progress());
 
 inline constexpr std::size_t around_dot_place = 25;  ///< itself among them
-/// The same at places of which all parts know what is around them, relative to `origin`, for clouds of so
+/// The nearest so many points of the places of a cloud that is no part of another.
+Neighborhoods around_own_places(const PreparedCloud& prepared);
+/// Sizes at places of which all parts know what is around them, relative to `origin`, for clouds of so
 /// many points. `median_spacing`: where there are too few to measure it.
 PlacedDots dots_at(const Neighborhoods& around, const dvec3& origin, std::uint64_t points,
                    float median_spacing, Progress& progress = no_progress());

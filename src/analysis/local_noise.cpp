@@ -99,11 +99,7 @@ PlacedNoise noise_at_places(const Neighborhoods& around, const dvec3& origin, Pr
 
 PlacedNoise placed_noise_of(const PreparedCloud& prepared, Progress& progress) {
   if (prepared.whole) return prepared.whole->placed_noise;
-  const NeighborTree tree(prepared.cloud.positions);
-  return noise_at_places(
-      neighborhoods_of(tree, prepared.cloud.origin,
-                       first_places(places_in(prepared.cloud), CloudFacts::most_places), around_dot_place),
-      prepared.cloud.origin, progress);
+  return noise_at_places(around_own_places(prepared), prepared.cloud.origin, progress);
 }
 
 std::vector<float> noise_near(std::span<const vec3> positions, const PlacedNoise& noise, Progress& progress) {

@@ -35,6 +35,25 @@ class LayersCountTest : public GlTest {
     return largest;
   }
 
+  /// How many layers each pixel shows, of a cloud that has been prepared for the technique: at an opacity of
+  /// 0.2 a count of k leaves 0.8^k of the page.
+  static Image<int> counts(Renderer& renderer, Technique& technique, const Camera& camera,
+                           const char* layers) {
+    for (const auto& [name, value] : {std::pair("layers", layers),
+                                      {"opacity", "0.2"},
+                                      {"antialias", "false"},
+                                      {"smoothing_iterations", "0"}})
+      set_parameter(technique, name, value);
+    RenderSettings settings;
+    settings.transparent = true;
+    settings.shading = Shading::albedo;
+    const RenderOutput out = renderer.render(technique, camera, settings, all_outputs());
+    Image<int> found(camera.width, camera.height);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      found.data()[i] = int(std::lround(std::log(1 - out.color_linear.data()[i].a) / std::log(0.8)));
+    return found;
+  }
+
   static Share counted(int points, bool with_normals, const char* shape = "auto", float noise = 0) {
     const synth::Scene scene = synth::make_scene("tori");
     synth::SampleOptions options;
@@ -45,28 +64,18 @@ class LayersCountTest : public GlTest {
     PointCloud cloud = synth::sample(scene, options);
     Camera camera = frame(bounds(cloud), cloud.up, 640, 480, glm::radians(-45.0), glm::radians(30.0));
     Renderer renderer(context());
-    // Twelve layers of opacity 0.2: a count of k leaves 0.8^k of the page.
     const auto technique = find_technique("layers").create();
     set_parameter(*technique, "point_shape", shape);
     show(renderer, std::move(cloud), technique->needs());
-    for (const auto& [name, value] : {std::pair("layers", "13"),
-                                      {"opacity", "0.2"},
-                                      {"antialias", "false"},
-                                      {"smoothing_iterations", "0"}})
-      set_parameter(*technique, name, value);
-    RenderSettings settings;
-    settings.transparent = true;
-    settings.shading = Shading::albedo;
-    const RenderOutput out = renderer.render(*technique, camera, settings, all_outputs());
+    const Image<int> found = counts(renderer, *technique, camera, "13");
     const Intrinsics k = camera.intrinsics();
     const dmat4 world = camera.inverse_view();
-    Image<int> truth(camera.width, camera.height), found(camera.width, camera.height);
+    Image<int> truth(camera.width, camera.height);
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
         const dvec3 slope((x + 0.5 - k.cx) / k.fx, -(y + 0.5 - k.cy) / k.fy, -1);
         const synth::Ray ray{camera.position, glm::normalize(dvec3(world * glm::dvec4(slope, 0)))};
         truth.at(x, y) = int(scene.intersect_all(ray).size());
-        found.at(x, y) = int(std::lround(std::log(1 - out.color_linear.at(x, y).a) / std::log(0.8)));
       }
     Image<std::uint8_t> wrong(camera.width, camera.height);
     int all = 0, all_right = 0, away = 0, away_right = 0;
@@ -150,21 +159,13 @@ TEST_F(LayersCountTest, EveryPlaceHasItsOwnThickness) {
     Renderer renderer(context());
     const auto technique = find_technique("layers").create();
     show(renderer, sheets_of_two_densities(0.005, c.gap, c.noise_left, c.noise_right), technique->needs());
-    for (const auto& [name, value] : {std::pair("layers", "4"),
-                                      {"opacity", "0.2"},
-                                      {"antialias", "false"},
-                                      {"smoothing_iterations", "0"}})
-      set_parameter(*technique, name, value);
-    RenderSettings settings;
-    settings.transparent = true;
-    settings.shading = Shading::albedo;
     constexpr int size = 320;
-    const RenderOutput out = renderer.render(*technique, camera_above(5, 2.4, size), settings, all_outputs());
+    const Image<int> found = counts(renderer, *technique, camera_above(5, 2.4, size), "4");
     for (const bool right : {false, true}) {
       int all = 0, two = 0;
       for (int y = size / 4; y < 3 * size / 4; ++y)
         for (int x = right ? size * 5 / 8 : size / 5; x < (right ? size * 4 / 5 : size * 3 / 8); ++x)
-          ++all, two += std::lround(std::log(1 - out.color_linear.at(x, y).a) / std::log(0.8)) == 2;
+          ++all, two += found.at(x, y) == 2;
       EXPECT_GT(two, 0.97 * all) << c.gap << " spacings, noise " << (right ? c.noise_right : c.noise_left)
                                  << (right ? ", sparse" : ", dense");
     }
